@@ -1,1 +1,48 @@
-//! Host simulation.
+//! A pitch test-bed in `f64`, flown by the very core that flies the real one.
+//!
+//! ```text
+//! Scenario ── fly ──> estimator-core: PRBS, supervisor, controller, NLMS     (f32, 50 Hz)
+//!                        │ u                                   ^ q, θ
+//!                        v                                     │
+//!                     Aircraft: delay → effects → eq. 9 → sensors            (f64, RK4, ≤ 1 ms)
+//!                        │
+//!                     Flight: recording (what a rig would log) │ truth (apart)
+//! ```
+//!
+//! The recording holds what a real rig would have logged and nothing else. What was concealed in the aircraft,
+//! its true parameters and the disturbance are in the truth, which goes to a file of its own. The
+//! identification side of the project never links this crate, and this crate never links it: only recordings
+//! cross.
+//!
+//! | module | what |
+//! | --- | --- |
+//! | [`scenario`] | what to fly: dwell, amplitude, seed, plant, effects, background |
+//! | [`flight`] | flies it; recording and truth |
+//! | [`plant`] | the grey-box plant and its integration, with sticking friction |
+//! | [`effects`] | physics that can be concealed, one file each |
+//! | [`aircraft`] | delay, effects and plant over one tick |
+//! | [`disturbance`], [`sensors`], [`pilot`] | coloured moments, measurement noise, the pilot |
+//! | [`calibrate`] | what an effect costs a model that leaves it out, and the size for a given cost |
+//!
+//! Everything random hangs on the scenario's seed: the same scenario gives the same bytes.
+
+pub mod aircraft;
+pub mod calibrate;
+pub mod disturbance;
+pub mod effects;
+pub mod error;
+pub mod flight;
+pub mod pilot;
+pub mod plant;
+pub mod recording;
+pub mod scenario;
+pub mod seeds;
+pub mod sensors;
+pub mod vehicle;
+
+pub use calibrate::{cost_of_leaving_out, size_for_loss};
+pub use effects::{CATALOGUE, Setting};
+pub use error::Error;
+pub use flight::{Flight, fly};
+pub use plant::{Mount, Plant};
+pub use scenario::{Background, Scenario};

@@ -1,0 +1,171 @@
+//! The aircraft over one tick: delay → effects → plant → IMU.
+//!
+//! u_k is held over [t_k, t_k + Ts) and reaches the servo τ later, for any real τ ≥ 0. Within one tick the
+//! delayed command therefore changes once, at t_k + (τ mod Ts); the tick is cut there, and both parts are
+//! integrated in equal steps of at most 1 ms. So a delay that is no multiple of Ts is as exact as one that is.
+
+use crate::disturbance::ColouredMoment;
+use crate::effects::{Effect, Setting};
+use crate::plant::{Loads, Plant, State};
+use crate::sensors::Reading;
+
+/// Ts, s.
+pub const SAMPLE_PERIOD_S: f64 = 0.02;
+/// Longest integration step, s.
+const STEP_S: f64 = 1e-3;
+
+/// Plant, effects and disturbance, at some time.
+#[derive(Debug)]
+pub struct Aircraft {
+    plant: Plant,
+    effects: Vec<Box<dyn Effect>>,
+    background: Option<ColouredMoment>,
+    state: State,
+    commands: Vec<f64>,
+    q_dot: f64,
+}
+
+impl Aircraft {
+    /// At rest and level at t = 0. `seed` is for effects that are random themselves.
+    #[must_use]
+    pub fn new(plant: Plant, effects: &[Setting], background: Option<ColouredMoment>, seed: u64) -> Self {
+        let effects = effects.iter().map(|setting| setting.build(seed)).collect();
+        Self { plant, effects, background, state: State::default(), commands: Vec::new(), q_dot: 0.0 }
+    }
+
+    /// The true state.
+    #[must_use]
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// Puts plant and IMU into another state; delay line and effects keep theirs.
+    pub const fn set_state(&mut self, state: State) {
+        self.state = state;
+    }
+
+    fn now(&self) -> f64 {
+        self.commands.len() as f64 * SAMPLE_PERIOD_S
+    }
+
+    /// What the IMU reads now, without noise. Called once per tick.
+    pub fn read(&mut self) -> Reading {
+        let mut reading = Reading { q: self.state.q_p, theta: self.state.theta_p, q_dot: self.q_dot };
+        let t = self.now();
+        for effect in &mut self.effects {
+            effect.measure(t, &mut reading);
+        }
+        reading
+    }
+
+    /// Holds `u` (rad) for one tick.
+    pub fn advance(&mut self, u: f64) {
+        let t = self.now();
+        self.commands.push(u);
+        let end = t + SAMPLE_PERIOD_S;
+        self.effects.iter_mut().for_each(|effect| effect.prepare(end));
+        if let Some(background) = &mut self.background {
+            background.extend_to(end);
+        }
+        let added: f64 = self.effects.iter().map(|effect| effect.delay_s(t)).sum();
+        let delay = (self.plant.delay_s + added).max(0.0);
+        // the small share keeps 0.06 / 0.02 at three samples
+        let samples = (delay / SAMPLE_PERIOD_S + 1e-9).floor();
+        let change = (delay - samples * SAMPLE_PERIOD_S).max(0.0);
+        let samples = samples as usize;
+        self.integrate(t, change, self.command(samples + 1));
+        self.integrate(t + change, SAMPLE_PERIOD_S - change, self.command(samples));
+    }
+
+    /// The command `age` ticks before the newest, 0 before the first.
+    fn command(&self, age: usize) -> f64 {
+        let newest = self.commands.len().wrapping_sub(1);
+        newest.checked_sub(age).and_then(|k| self.commands.get(k)).copied().unwrap_or(0.0)
+    }
+
+    fn integrate(&mut self, from: f64, length: f64, command: f64) {
+        if length < 1e-9 {
+            return;
+        }
+        let steps = (length / STEP_S - 1e-6).ceil().max(1.0) as u32;
+        let dt = length / f64::from(steps);
+        for step in 0..steps {
+            let t = from + f64::from(step) * dt;
+            let blade = self.effects.iter_mut().fold(command, |u, effect| effect.blade(u, dt));
+            let mut plant = self.plant;
+            self.effects.iter().for_each(|effect| effect.plant(t, &mut plant));
+            let middle = t + dt / 2.0;
+            let background = self.background.as_ref().map_or(0.0, |b| b.at(middle));
+            let moment =
+                |x: &State| background + self.effects.iter().map(|e| e.moment(middle, x)).sum::<f64>();
+            let dry_friction = self.effects.iter().map(|e| e.dry_friction()).sum();
+            let loads = Loads { plant, blade, dry_friction, moment: &moment };
+            self.state = loads.step(&self.state, dt);
+            if step + 1 == steps {
+                self.q_dot = loads.rate_at(&self.state).q_p;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RIGID: Plant = Plant { mount: None, dm_dq: 0.0, ..Plant::nominal() };
+
+    /// Without damping a step of command gives q = b (t − τ), θ = b (t − τ)²/2, so the delay can be read off.
+    fn after_a_step(plant: Plant, effects: &[Setting], ticks: usize) -> State {
+        let mut aircraft = Aircraft::new(plant, effects, None, 0);
+        (0..ticks).for_each(|_| aircraft.advance(0.01));
+        aircraft.state()
+    }
+
+    #[test]
+    fn any_delay_is_exact() {
+        let b = 23.0 * 0.01 / 0.1705;
+        for delay_s in [0.0, 0.02, 0.0537, 0.06, 0.0999] {
+            let state = after_a_step(Plant { delay_s, ..RIGID }, &[], 25);
+            assert!((state.q - b * (0.5 - delay_s)).abs() < 1e-12, "{delay_s}");
+            assert!((state.theta - b * (0.5 - delay_s).powi(2) / 2.0).abs() < 1e-12, "{delay_s}");
+        }
+    }
+
+    #[test]
+    fn extra_delay_adds_to_the_plants() {
+        let b = 23.0 * 0.01 / 0.1705;
+        for delta in [-0.0313, 0.041] {
+            let extra = Setting::new("extra_delay", &[("Delta", delta)]).unwrap();
+            let state = after_a_step(RIGID, &[extra], 25);
+            assert!((state.q - b * (0.44 - delta)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_first_row_that_can_show_a_command_is_the_next() {
+        let mut aircraft = Aircraft::new(Plant { delay_s: 0.0, ..RIGID }, &[], None, 0);
+        assert_eq!(aircraft.read().q, 0.0);
+        aircraft.advance(0.01);
+        assert!((aircraft.read().q - 0.02 * 23.0 * 0.01 / 0.1705).abs() < 1e-12);
+    }
+
+    #[test]
+    fn gravity_swings_with_its_period() {
+        // G = 1.5 N m: small oscillation of period 2π √(I/G) = 2.1184 s
+        let gravity = Setting::new("gravity_stiffness", &[("G", 1.5)]).unwrap();
+        let mut aircraft = Aircraft::new(RIGID, &[gravity], None, 0);
+        aircraft.set_state(State { theta: 0.01, theta_p: 0.01, ..State::default() });
+        (0..106).for_each(|_| aircraft.advance(0.0));
+        let omega = (1.5_f64 / 0.1705).sqrt();
+        assert!((aircraft.state().theta - 0.01 * (omega * 2.12).cos()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn quadratic_drag_and_trim_meet_their_terminal_rate() {
+        let drag = Setting::new("quadratic_drag", &[("D", 0.5)]).unwrap();
+        let trim = Setting::new("trim_offset", &[("M0", -0.1)]).unwrap();
+        let mut aircraft = Aircraft::new(RIGID, &[drag, trim], None, 0);
+        (0..500).for_each(|_| aircraft.advance(0.0));
+        assert!((aircraft.state().q + (0.1_f64 / 0.5).sqrt()).abs() < 1e-9);
+    }
+}

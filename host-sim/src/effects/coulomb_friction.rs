@@ -1,0 +1,22 @@
+//! Dry friction in the pivot: M −= Mc sign q, and it sticks at rest.
+
+use super::{Effect, Entry, Parameter};
+
+pub(super) const ENTRY: Entry = Entry {
+    id: "coulomb_friction",
+    locus: "pitch_moment",
+    parameters: &[Parameter { name: "Mc", unit: "N m", range: [0.01, 0.15], signed: false }],
+    moderate_and_strong: [0.03, 0.04],
+    make: |values, _| Box::new(CoulombFriction { level: values[0] }),
+};
+
+#[derive(Debug)]
+struct CoulombFriction {
+    level: f64,
+}
+
+impl Effect for CoulombFriction {
+    fn dry_friction(&self) -> f64 {
+        self.level
+    }
+}

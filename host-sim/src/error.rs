@@ -1,0 +1,77 @@
+//! What can be wrong with a scenario or a file.
+
+use std::path::PathBuf;
+
+/// An error with what was found and what to do about it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The core refused its configuration.
+    #[error("the test cannot be flown: {0}")]
+    Core(#[from] estimator_core::ConfigError),
+    /// No effect of this name.
+    #[error("no effect is called `{id}`; the simulator knows {known}")]
+    UnknownEffect {
+        /// The name asked for.
+        id: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A parameter is missing, unknown or no number.
+    #[error("effect `{id}`: {problem}")]
+    Parameter {
+        /// The effect.
+        id: &'static str,
+        /// What is wrong and what to write.
+        problem: String,
+    },
+    /// A plant that no vehicle can have.
+    #[error("plant: {name} is {found}; it must be {expected}")]
+    Plant {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        found: f64,
+        /// The legal range in words.
+        expected: &'static str,
+    },
+    /// A campaign that the paper does not have.
+    #[error("there is no campaign {found}; the campaigns are 1 to 4")]
+    Campaign {
+        /// The number asked for.
+        found: usize,
+    },
+    /// No size of the effect costs that much.
+    #[error(
+        "leaving out `{id}` costs {low:.1} to {high:.1} points within its usual range; {target} cannot be reached"
+    )]
+    Unreachable {
+        /// The effect.
+        id: &'static str,
+        /// Cost at the small end, points.
+        low: f64,
+        /// Cost at the large end, points.
+        high: f64,
+        /// Cost asked for, points.
+        target: f64,
+    },
+    /// No effect of the catalogue costs that much.
+    #[error(
+        "no effect of the catalogue can cost {target:.1} points in this scenario; try a larger amplitude"
+    )]
+    NoneReaches {
+        /// Cost asked for, points.
+        target: f64,
+    },
+    /// A file could not be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The truth could not be put into JSON.
+    #[error("cannot serialise the truth: {0}")]
+    Json(#[from] serde_json::Error),
+}

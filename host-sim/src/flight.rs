@@ -1,0 +1,197 @@
+//! Flies a scenario with the core: recording out, truth apart.
+
+use estimator_core::constants::TAPS;
+use estimator_core::{Phase, Section};
+use serde::Serialize;
+use std::path::Path;
+
+use rand::RngExt;
+
+use crate::aircraft::{Aircraft, SAMPLE_PERIOD_S};
+use crate::disturbance::{Colour, ColouredMoment};
+use crate::effects::SettingTruth;
+use crate::error::Error;
+use crate::pilot::ManualReference;
+use crate::plant::{Plant, State};
+use crate::recording::{Row, to_csv};
+use crate::scenario::{Background, Scenario};
+use crate::seeds::{Stream, generator};
+use crate::sensors::Noise;
+use crate::vehicle::SimulatedVehicle;
+
+/// A test that was flown.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    /// What a rig would have logged.
+    pub rows: Vec<Row>,
+    /// The true state at each row.
+    pub states: Vec<State>,
+    /// How the test ended.
+    pub outcome: Phase,
+    /// What the core's estimator found: taps, rad/s per rad.
+    pub taps: [f32; TAPS],
+    /// What was really there.
+    pub truth: Truth,
+    comment: String,
+}
+
+/// What was really there.
+#[derive(Clone, Debug, Serialize)]
+pub struct Truth {
+    /// Schema of this file.
+    schema: &'static str,
+    /// Seed of everything random.
+    seed: u64,
+    /// Dwell range of the excitation, s.
+    dwell_s: [f32; 2],
+    /// Amplitude of the excitation, rad.
+    amplitude_rad: f32,
+    /// True plant: kg m², N m s/rad, N m/rad, s; mount N m/rad, N m s/rad, kg m².
+    pub plant: Plant,
+    /// What was concealed.
+    pub effects: Vec<SettingTruth>,
+    /// The disturbance.
+    pub background: BackgroundTruth,
+    /// Noise of the IMU, standard deviations.
+    noise: Noise,
+    /// How the test ended.
+    outcome: String,
+    /// Transitions of the supervisor: time in s, text.
+    pub events: Vec<(f64, String)>,
+}
+
+/// The band-passed moment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BackgroundTruth {
+    level: Background,
+    /// Standard deviation, N m.
+    pub sigma: f64,
+    /// Centre, rad/s.
+    omega_rad_s: f64,
+    /// Damping ratio.
+    zeta: f64,
+}
+
+/// Flies `scenario` from rest to the end of its test.
+///
+/// # Errors
+/// A plant or a configuration that cannot be. A test that the supervisor breaks off is no error: the flight
+/// says so in its outcome.
+pub fn fly(scenario: &Scenario) -> Result<Flight, Error> {
+    scenario.plant.check()?;
+    let background = size_background(scenario)?;
+    fly_in(scenario, background)
+}
+
+fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Error> {
+    let Scenario { seed, plant, ref effects, noise, plan, .. } = *scenario;
+    let cycle = scenario.core().build::<TAPS>()?;
+    let mut state = cycle.initial_state();
+    let length_s = f64::from(plan.closed_loop_s);
+    let reference = ManualReference::drawn(length_s, &mut generator(seed, Stream::Reference));
+    let aircraft = Aircraft::new(plant, effects, background.moment(seed), seed);
+    let mut vehicle = SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference);
+    let outcome = estimator_core::fly(&cycle, &mut state, &mut vehicle);
+    let (rows, states, events) = vehicle.into_log();
+    let truth = Truth {
+        schema: "pitchid.truth/1",
+        seed,
+        dwell_s: scenario.dwell_s,
+        amplitude_rad: scenario.amplitude_rad,
+        plant,
+        effects: effects.iter().map(SettingTruth::from).collect(),
+        background,
+        noise,
+        outcome: match outcome {
+            Phase::Aborted { cause } => format!("aborted: {cause}"),
+            _ => "finished".to_owned(),
+        },
+        events,
+    };
+    let [low, high] = scenario.dwell_s;
+    let comment =
+        format!("pitch test: dwell {low} to {high} s, amplitude {} rad, seed {seed}", scenario.amplitude_rad);
+    Ok(Flight { rows, states, outcome, taps: *state.taps(), truth, comment })
+}
+
+impl BackgroundTruth {
+    fn moment(&self, seed: u64) -> Option<ColouredMoment> {
+        let colour = Colour::BandPass { omega: self.omega_rad_s, zeta: self.zeta };
+        let mut generator = generator(seed, Stream::Background);
+        // its first two numbers made the spectrum
+        let _: [f64; 2] = [generator.random(), generator.random()];
+        (self.sigma > 0.0).then(|| ColouredMoment::new(self.sigma, colour, generator))
+    }
+}
+
+/// Draws the spectrum (ω in 3..7 rad/s, ζ in 0.3..0.6) and sizes the moment for the share `v` that the true
+/// model is to explain: with P the power of q without the moment, n² the noise in it, and w the power that a
+/// unit moment adds, v = (P − n²) / (P + σ² w).
+fn size_background(scenario: &Scenario) -> Result<BackgroundTruth, Error> {
+    let mut generator = generator(scenario.seed, Stream::Background);
+    let [first, second]: [f64; 2] = [generator.random(), generator.random()];
+    let level = scenario.background;
+    let silent =
+        BackgroundTruth { level, sigma: 0.0, omega_rad_s: 3.0 + 4.0 * first, zeta: 0.3 + 0.3 * second };
+    let Some(share) = level.explainable() else { return Ok(silent) };
+
+    let undisturbed = fly_in(scenario, silent)?;
+    let excited = undisturbed.rows.iter().filter(|row| row.section.sequence().is_some());
+    let total = variance(excited.map(|row| f64::from(row.q_rad_s)));
+    let caused = (total - scenario.noise.q_rad_s.powi(2)).max(0.0);
+
+    let unit = BackgroundTruth { sigma: 1.0, ..silent };
+    let mut shaken = Aircraft::new(scenario.plant, &[], unit.moment(scenario.seed), scenario.seed);
+    let ticks = (100.0 / SAMPLE_PERIOD_S) as usize;
+    let added = variance((0..ticks).map(|_| {
+        shaken.advance(0.0);
+        shaken.state().q_p
+    }));
+    let sigma = ((caused / share - total).max(0.0) / added).sqrt();
+    Ok(BackgroundTruth { sigma, ..silent })
+}
+
+fn variance(values: impl Iterator<Item = f64>) -> f64 {
+    let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for value in values {
+        count += 1.0;
+        sum += value;
+        squares += value * value;
+    }
+    if count > 0.0 { squares / count - (sum / count).powi(2) } else { 0.0 }
+}
+
+impl Flight {
+    /// The recording as CSV.
+    #[must_use]
+    pub fn recording(&self) -> String {
+        to_csv(&self.rows, &self.comment)
+    }
+
+    /// Rows of one section.
+    pub fn section(&self, section: Section) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(move |row| row.section == section)
+    }
+
+    /// Writes the recording; nothing of the truth is in it.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_recording(&self, path: &Path) -> Result<(), Error> {
+        write(path, &self.recording())
+    }
+
+    /// Writes the truth as JSON.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_truth(&self, path: &Path) -> Result<(), Error> {
+        let mut text = serde_json::to_string_pretty(&self.truth)?;
+        text.push('\n');
+        write(path, &text)
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Error> {
+    std::fs::write(path, text).map_err(|source| Error::Write { path: path.to_owned(), source })
+}

@@ -1,0 +1,66 @@
+//! Recordings: CSV with one header line, a unit in every column's name, nothing of the truth.
+
+use estimator_core::Section;
+use std::fmt::Write as _;
+
+/// One row. u is held over [t, t + Ts); the readings were taken at t, before u acts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Time, s.
+    pub t_s: f64,
+    /// Command, rad.
+    pub u_rad: f32,
+    /// Pitch rate, rad/s.
+    pub q_rad_s: f32,
+    /// Pitch angle, rad.
+    pub theta_rad: f32,
+    /// Pitch acceleration, rad/s².
+    pub qdot_rad_s2: f32,
+    /// Part of the test.
+    pub section: Section,
+    /// True where the supervisor overrode the test.
+    pub supervised: bool,
+    /// Reference of the controller, rad.
+    pub theta_ref_rad: f32,
+}
+
+/// The recording as text, under a comment line. Numbers are written in full, so reading them back gives the
+/// very samples that the core saw.
+#[must_use]
+pub fn to_csv(rows: &[Row], comment: &str) -> String {
+    let mut text = format!("# {comment}\n");
+    text.push_str("t_s,u_rad,q_rad_s,theta_rad,qdot_rad_s2,section,supervised,theta_ref_rad\n");
+    for row in rows {
+        let Row { t_s, u_rad, q_rad_s, theta_rad, qdot_rad_s2, section, supervised, theta_ref_rad } = row;
+        let supervised = u8::from(*supervised);
+        // writing to a string cannot fail
+        let _ = writeln!(
+            text,
+            "{t_s:.2},{u_rad},{q_rad_s},{theta_rad},{qdot_rad_s2},{section},{supervised},{theta_ref_rad}"
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_reads_back_to_the_same_bits() {
+        let row = Row {
+            t_s: 12.34,
+            u_rad: -0.015,
+            q_rad_s: 0.123_456_79,
+            theta_rad: -1.0e-7,
+            qdot_rad_s2: 3.0,
+            section: Section::II,
+            supervised: true,
+            theta_ref_rad: 0.0,
+        };
+        let text = to_csv(&[row], "one row");
+        let fields: Vec<&str> = text.lines().nth(2).unwrap().split(',').collect();
+        assert_eq!(fields, ["12.34", "-0.015", "0.12345679", "-0.0000001", "3", "II", "1", "0"]);
+        assert_eq!(fields[2].parse::<f32>().unwrap().to_bits(), row.q_rad_s.to_bits());
+    }
+}

@@ -1,0 +1,96 @@
+//! What to fly.
+
+use estimator_core::Config;
+use estimator_core::constants::CAMPAIGN_DWELL_S;
+use estimator_core::plan::PlanConfig;
+use estimator_core::prbs::PrbsConfig;
+use serde::Serialize;
+
+use crate::effects::Setting;
+use crate::error::Error;
+use crate::plant::Plant;
+use crate::sensors::Noise;
+
+/// How much of the pitch rate nothing in the model causes: a band-passed moment, sized so that the true model,
+/// simulated along the recorded input, reaches a given VAF in sections I to III.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Background {
+    /// No moment at all; only for tests, no vehicle is like that.
+    None,
+    /// 98 %.
+    Clean,
+    /// 90 %.
+    #[default]
+    Lab,
+    /// 75 %, as on the paper's vehicle.
+    Paper,
+}
+
+impl Background {
+    /// The VAF of the true model, as a share; none without a moment.
+    #[must_use]
+    pub const fn explainable(&self) -> Option<f64> {
+        match self {
+            Self::None => None,
+            Self::Clean => Some(0.98),
+            Self::Lab => Some(0.90),
+            Self::Paper => Some(0.75),
+        }
+    }
+}
+
+/// One test on one aircraft.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// Shortest and longest dwell of the excitation, s.
+    pub dwell_s: [f32; 2],
+    /// Amplitude of the excitation, rad.
+    pub amplitude_rad: f32,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// The true plant.
+    pub plant: Plant,
+    /// What is concealed in it.
+    pub effects: Vec<Setting>,
+    /// Disturbance that is always there.
+    pub background: Background,
+    /// Noise of the IMU.
+    pub noise: Noise,
+    /// Durations of the sections.
+    pub plan: PlanConfig,
+}
+
+impl Scenario {
+    /// Campaign `number` (1 to 4) of the paper on the nominal plant, nothing concealed, background `Lab`.
+    ///
+    /// # Errors
+    /// No such campaign.
+    pub fn campaign(number: usize, amplitude_rad: f32, seed: u64) -> Result<Self, Error> {
+        let dwell = number.checked_sub(1).and_then(|i| CAMPAIGN_DWELL_S.get(i));
+        let dwell_s = *dwell.ok_or(Error::Campaign { found: number })?;
+        Ok(Self {
+            dwell_s,
+            amplitude_rad,
+            seed,
+            plant: Plant::nominal(),
+            effects: Vec::new(),
+            background: Background::default(),
+            noise: Noise::default(),
+            plan: PlanConfig::default(),
+        })
+    }
+
+    /// Configuration of the core that flies it.
+    #[must_use]
+    pub fn core(&self) -> Config {
+        let [dwell_min_s, dwell_max_s] = self.dwell_s;
+        let prbs = PrbsConfig { amplitude_rad: self.amplitude_rad, dwell_min_s, dwell_max_s };
+        let mut config = Config { seed: self.seed, prbs, plan: self.plan, ..Config::default() };
+        if self.noise.q_rad_s == 0.0 || self.noise.theta_rad == 0.0 {
+            // a sensor without noise looks frozen whenever the vehicle rests
+            config.supervisor.frozen_samples = 0;
+        }
+        config
+    }
+}

@@ -1,0 +1,49 @@
+//! What the IMU says: white noise on rate, angle and acceleration.
+
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use serde::Serialize;
+
+/// Standard deviations of the noise, per sample.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Noise {
+    /// On q, rad/s; 0.01 to 0.02 is a small gyro on a machine that vibrates.
+    pub q_rad_s: f64,
+    /// On θ, rad.
+    pub theta_rad: f64,
+    /// On q̇, rad/s².
+    pub qdot_rad_s2: f64,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self { q_rad_s: 0.015, theta_rad: 0.0025, qdot_rad_s2: 0.5 }
+    }
+}
+
+impl Noise {
+    /// No noise at all.
+    #[must_use]
+    pub const fn none() -> Self {
+        Self { q_rad_s: 0.0, theta_rad: 0.0, qdot_rad_s2: 0.0 }
+    }
+
+    /// Adds one sample of noise.
+    pub fn add(&self, reading: &mut Reading, generator: &mut Pcg64) {
+        let mut draw = || -> f64 { StandardNormal.sample(generator) };
+        reading.q += self.q_rad_s * draw();
+        reading.theta += self.theta_rad * draw();
+        reading.q_dot += self.qdot_rad_s2 * draw();
+    }
+}
+
+/// One reading of the IMU.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// Pitch rate, rad/s.
+    pub q: f64,
+    /// Pitch angle, rad.
+    pub theta: f64,
+    /// Pitch acceleration, rad/s².
+    pub q_dot: f64,
+}

@@ -1,0 +1,91 @@
+//! The simulated vehicle behind the core's port.
+
+use estimator_core::{Command, Input, Sample, Section, Telemetry, Vehicle};
+use rand_pcg::Pcg64;
+
+use crate::aircraft::{Aircraft, SAMPLE_PERIOD_S};
+use crate::pilot::ManualReference;
+use crate::plant::State;
+use crate::recording::Row;
+use crate::sensors::{Noise, Reading};
+
+const TICK_US: u64 = 20_000;
+
+/// Aircraft, IMU and pilot; keeps what a rig would log, and the true states apart.
+#[derive(Debug)]
+pub struct SimulatedVehicle {
+    aircraft: Aircraft,
+    noise: Noise,
+    generator: Pcg64,
+    reference: ManualReference,
+    closed_loop_ticks: u32,
+    reading: Reading,
+    rows: Vec<Row>,
+    states: Vec<State>,
+    events: Vec<(f64, String)>,
+}
+
+impl SimulatedVehicle {
+    /// A vehicle whose pilot starts the test at tick 0.
+    #[must_use]
+    pub fn new(aircraft: Aircraft, noise: Noise, generator: Pcg64, reference: ManualReference) -> Self {
+        Self {
+            aircraft,
+            noise,
+            generator,
+            reference,
+            closed_loop_ticks: 0,
+            reading: Reading::default(),
+            rows: Vec::new(),
+            states: Vec::new(),
+            events: Vec::new(),
+        }
+    }
+
+    /// Rows of the recording, the true state at each of them, and the supervisor's transitions with their
+    /// times.
+    #[must_use]
+    pub fn into_log(self) -> (Vec<Row>, Vec<State>, Vec<(f64, String)>) {
+        (self.rows, self.states, self.events)
+    }
+}
+
+impl Vehicle for SimulatedVehicle {
+    fn sense(&mut self, tick: u32) -> Input {
+        self.reading = self.aircraft.read();
+        self.noise.add(&mut self.reading, &mut self.generator);
+        self.states.push(self.aircraft.state());
+        let now_us = u64::from(tick) * TICK_US;
+        let sample =
+            Sample { time_us: now_us, q_rad_s: self.reading.q as f32, theta_rad: self.reading.theta as f32 };
+        Input {
+            tick,
+            now_us,
+            sample: Some(sample),
+            theta_ref_rad: self.reference.at(f64::from(self.closed_loop_ticks) * SAMPLE_PERIOD_S) as f32,
+            command: if tick == 0 { Command::Start } else { Command::None },
+        }
+    }
+
+    fn actuate(&mut self, u_rad: f32) {
+        self.aircraft.advance(f64::from(u_rad));
+    }
+
+    fn emit(&mut self, telemetry: &Telemetry) {
+        let t_s = f64::from(telemetry.tick) * SAMPLE_PERIOD_S;
+        if let Some(event) = telemetry.event {
+            self.events.push((t_s, event.to_string()));
+        }
+        self.closed_loop_ticks += u32::from(telemetry.section == Section::IV);
+        self.rows.push(Row {
+            t_s,
+            u_rad: telemetry.u_rad,
+            q_rad_s: self.reading.q as f32,
+            theta_rad: self.reading.theta as f32,
+            qdot_rad_s2: self.reading.q_dot as f32,
+            section: telemetry.section,
+            supervised: telemetry.supervised,
+            theta_ref_rad: telemetry.theta_ref_rad,
+        });
+    }
+}

@@ -1,0 +1,126 @@
+//! The paper's experiment in the simulator: every campaign and amplitude, determinism, and what the files hold.
+
+use estimator_core::{Phase, Section};
+use host_sim::calibrate::{Strength, draw_effect, simulate, vaf};
+use host_sim::sensors::Noise;
+use host_sim::{Background, CATALOGUE, Plant, Scenario, Setting, fly, size_for_loss};
+
+const EXCITED: [Section; 3] = [Section::I, Section::II, Section::III];
+
+#[test]
+fn every_campaign_and_amplitude_finishes() {
+    for campaign in 1..=4 {
+        for amplitude in [0.012, 0.015, 0.019] {
+            for background in [Background::Clean, Background::Paper] {
+                let seed = 10 * campaign as u64;
+                let scenario =
+                    Scenario { background, ..Scenario::campaign(campaign, amplitude, seed).unwrap() };
+                let flight = fly(&scenario).unwrap();
+                let case = format!("campaign {campaign}, {amplitude} rad, {background:?}");
+                assert_eq!(flight.outcome, Phase::Done, "{case}");
+                for section in EXCITED {
+                    let free: Vec<_> = flight.section(section).filter(|row| !row.supervised).collect();
+                    assert_eq!(free.len(), 1250, "{case}");
+                    assert!(free.iter().all(|row| row.u_rad.abs() == amplitude), "{case}");
+                }
+                let steepest = flight.rows.iter().fold(0.0_f32, |top, row| top.max(row.theta_rad.abs()));
+                assert!(steepest < 0.75, "{case}: {steepest} rad");
+            }
+        }
+    }
+}
+
+#[test]
+fn campaign_4_moves_at_about_half_a_radian_per_second() {
+    let flight = fly(&Scenario::campaign(4, 0.015, 3).unwrap()).unwrap();
+    let rates: Vec<f64> = flight.section(Section::I).map(|row| f64::from(row.q_rad_s)).collect();
+    let rms = (rates.iter().map(|q| q * q).sum::<f64>() / rates.len() as f64).sqrt();
+    assert!((0.2..0.6).contains(&rms), "{rms}");
+}
+
+#[test]
+fn the_background_leaves_the_true_model_what_it_promises() {
+    for (background, expected) in
+        [(Background::Clean, 98.0), (Background::Lab, 90.0), (Background::Paper, 75.0)]
+    {
+        let mut explained: Vec<f64> = (0..8)
+            .flat_map(|seed| {
+                let plant = Plant::drawn(seed);
+                let scenario = Scenario { background, plant, ..Scenario::campaign(4, 0.015, seed).unwrap() };
+                let flight = fly(&scenario).unwrap();
+                let simulated = simulate(plant, &[], seed, &flight);
+                EXCITED.map(|section| vaf(&flight, &simulated, section))
+            })
+            .collect();
+        explained.sort_by(f64::total_cmp);
+        let median = explained[explained.len() / 2];
+        assert!((median - expected).abs() < 0.2 * (100.0 - expected) + 0.5, "{background:?}: {median}");
+    }
+}
+
+#[test]
+fn without_noise_and_background_the_true_model_is_exact() {
+    for entry in CATALOGUE {
+        let effects = vec![Setting::usual(entry.id, false).unwrap()];
+        let (background, noise) = (Background::None, Noise::none());
+        let scenario = Scenario { effects, background, noise, ..Scenario::campaign(4, 0.015, 5).unwrap() };
+        let flight = fly(&scenario).unwrap();
+        let simulated = simulate(scenario.plant, &scenario.effects, 5, &flight);
+        for section in [Section::I, Section::II, Section::III, Section::IV] {
+            assert!(vaf(&flight, &simulated, section) > 99.9999, "{} {section}", entry.id);
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
+    let scenario = |seed| {
+        let effects = vec![Setting::usual("gust_disturbance", false).unwrap()];
+        Scenario { effects, plant: Plant::drawn(seed), ..Scenario::campaign(2, 0.012, seed).unwrap() }
+    };
+    let [a, b, c] = [1, 1, 2].map(|seed| fly(&scenario(seed)).unwrap());
+    assert_eq!(a.recording(), b.recording());
+    assert_ne!(a.recording(), c.recording());
+}
+
+#[test]
+fn the_recording_has_no_trace_of_the_truth_and_the_truth_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (recording, truth) = (folder.path().join("flight.csv"), folder.path().join("truth.json"));
+    let effects = vec![
+        Setting::new("servo_lag", &[("T", 0.07)]).unwrap(),
+        Setting::new("coulomb_friction", &[("Mc", 0.05)]).unwrap(),
+    ];
+    let flight = fly(&Scenario { effects, ..Scenario::campaign(3, 0.015, 4).unwrap() }).unwrap();
+    flight.write_recording(&recording).unwrap();
+    flight.write_truth(&truth).unwrap();
+    let text = std::fs::read_to_string(recording).unwrap();
+    let header = "t_s,u_rad,q_rad_s,theta_rad,qdot_rad_s2,section,supervised,theta_ref_rad";
+    assert_eq!(text.lines().nth(1), Some(header));
+    assert!(["servo", "friction", "plant", "inertia", "background"].iter().all(|word| !text.contains(word)));
+    let truth: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(truth).unwrap()).unwrap();
+    assert_eq!(truth["effects"][0]["id"], "servo_lag");
+    assert_eq!(truth["effects"][0]["parameters"][0]["value"], 0.07);
+    assert_eq!(truth["effects"][1]["parameters"][0]["unit"], "N m");
+    assert_eq!(truth["plant"]["dm_du"], 23.0);
+    assert_eq!(truth["outcome"], "finished");
+}
+
+#[test]
+fn a_size_is_found_for_a_given_cost() {
+    let scenario = Scenario { background: Background::Clean, ..Scenario::campaign(4, 0.015, 6).unwrap() };
+    let lag = Setting::usual("servo_lag", false).unwrap();
+    let (setting, cost) = size_for_loss(&scenario, &lag, 5.0).unwrap();
+    assert!((cost - 5.0).abs() < 0.5, "{setting:?} costs {cost}");
+    let error = size_for_loss(&scenario, &lag, 99.0).unwrap_err().to_string();
+    assert!(error.contains("cannot be reached"), "{error}");
+}
+
+#[test]
+fn a_drawn_effect_costs_what_its_strength_says() {
+    let scenario = Scenario { background: Background::Clean, ..Scenario::campaign(4, 0.019, 8).unwrap() };
+    let (first, cost) = draw_effect(&scenario, Strength::Strong).unwrap();
+    assert!((7.0..16.0).contains(&cost), "{first:?} costs {cost}");
+    let (again, _) = draw_effect(&scenario, Strength::Strong).unwrap();
+    assert_eq!(format!("{first:?}"), format!("{again:?}"));
+}
