@@ -80,7 +80,7 @@ impl Attitude {
     #[must_use]
     pub fn reference(&self, theta_ref_rad: f32) -> f32 {
         let limit = self.config.reference_limit_rad;
-        if theta_ref_rad.is_finite() { theta_ref_rad.clamp(-limit, limit) } else { 0.0 }
+        if theta_ref_rad.is_finite() { theta_ref_rad.max(-limit).min(limit) } else { 0.0 }
     }
 
     /// u\[k\] in rad for a finite θ\[k\] (rad) and q\[k\] (rad/s).
@@ -92,9 +92,9 @@ impl Attitude {
         let driven_further = wanted.abs() > limit && wanted * error > 0.0;
         if !driven_further {
             let trim = state.trim_rad + integral_gain_per_s * SAMPLE_PERIOD_S * error;
-            state.trim_rad = trim.clamp(-limit, limit);
+            state.trim_rad = trim.max(-limit).min(limit);
         }
-        wanted.clamp(-limit, limit)
+        wanted.max(-limit).min(limit)
     }
 }
 

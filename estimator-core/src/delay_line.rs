@@ -7,7 +7,7 @@
 //! need no wrap. Energy Σx² and sum Σx follow by adding the newest and subtracting the oldest; every N pushes
 //! both are replaced by sums accumulated afresh, so rounding does not build up over more than N pushes.
 //!
-//! Cost: 8 N + 92 bytes; per push two stores, eight additions and multiplications, none of them over N.
+//! Cost: 8 N + 88 bytes; per push two stores, eight additions and multiplications, none of them over N.
 
 use crate::constants::MAX_INPUT_DELAY;
 
@@ -25,7 +25,6 @@ pub struct DelayLine<const N: usize> {
     sum: f32,
     fresh_energy: f32,
     fresh_sum: f32,
-    until_refresh: usize,
 }
 
 impl<const N: usize> Default for DelayLine<N> {
@@ -48,17 +47,16 @@ impl<const N: usize> DelayLine<N> {
             sum: 0.0,
             fresh_energy: 0.0,
             fresh_sum: 0.0,
-            until_refresh: N,
         }
     }
 
     /// Takes u\[k\]; what enters the regressor is u delayed by `delay` samples. A `delay` beyond [`MAX_INPUT_DELAY`] counts
-    /// modulo 16.
-    pub fn push(&mut self, u: f32, delay: u8) {
+    /// modulo 16. Returns what has entered.
+    pub fn push(&mut self, u: f32, delay: u8) -> f32 {
         let x = self.wait(u, delay);
         self.head = if self.head == 0 { N - 1 } else { self.head - 1 };
         let [first, second] = &mut self.mirrored;
-        let (Some(a), Some(b)) = (first.get_mut(self.head), second.get_mut(self.head)) else { return };
+        let (Some(a), Some(b)) = (first.get_mut(self.head), second.get_mut(self.head)) else { return x };
         let oldest = *a;
         *a = x;
         *b = x;
@@ -66,12 +64,12 @@ impl<const N: usize> DelayLine<N> {
         self.sum = self.sum + x - oldest;
         self.fresh_energy += x * x;
         self.fresh_sum += x;
-        self.until_refresh = self.until_refresh.saturating_sub(1);
-        if self.until_refresh == 0 {
+        // the head passes here once in N pushes
+        if self.head == 0 {
             (self.energy, self.sum) = (self.fresh_energy, self.fresh_sum);
             (self.fresh_energy, self.fresh_sum) = (0.0, 0.0);
-            self.until_refresh = N;
         }
+        x
     }
 
     fn wait(&mut self, u: f32, delay: u8) -> f32 {
@@ -141,8 +139,12 @@ mod tests {
     #[test]
     fn energy_returns_to_zero_when_the_input_does() {
         let mut line = DelayLine::<7>::new();
-        (0..50).for_each(|k| line.push(0.01 * k as f32, 0));
-        (0..14).for_each(|_| line.push(0.0, 0));
+        for k in 0..50 {
+            line.push(0.01 * k as f32, 0);
+        }
+        for _ in 0..14 {
+            line.push(0.0, 0);
+        }
         assert_eq!((line.energy(), line.sum()), (0.0, 0.0));
     }
 }

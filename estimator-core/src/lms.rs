@@ -20,10 +20,14 @@
 //! holds, the taps are left alone ([`NormalizedLms::observe`] with `adapt = false`), for its feedback
 //! correlates u with the disturbance; the regressor goes on holding the input truly applied.
 //!
-//! Order of summation, the same on chip and host: eight partial sums, tap i to sum i mod 8, then
-//! ((s0+s1)+(s2+s3)) + ((s4+s5)+(s6+s7)). No fused multiply-add.
+//! One pass over the taps does both: it moves w\[k\] to w\[k+1\] and takes the part of q̂\[k+1\] that is known already, for
+//! φ\[k+1\] is φ\[k\] moved on by one and the newest input. Each tap then costs two loads, two multiplications and additions, and
+//! one store.
 //!
-//! Cost: 12 N + 92 bytes; 4 N + 20 operations per sample, 5 N with leakage.
+//! Order of summation, the same on chip and host: eight partial sums, tap i ≥ 1 to sum i mod 8, then
+//! ((s0+s1)+(s2+s3)) + ((s4+s5)+(s6+s7)), then tap 0. No fused multiply-add.
+//!
+//! Cost: 12 N + 96 bytes; 4 N + 20 operations per sample, 5 N with leakage.
 //! Source: Nagumo, Noda, 1967; Haykin, *Adaptive Filter Theory*, 4th ed., table 6.1.
 
 use crate::config::{ConfigError, within};
@@ -83,11 +87,14 @@ pub struct NormalizedLms<const N: usize> {
 pub struct LmsState<const N: usize> {
     taps: [f32; N],
     line: DelayLine<N>,
+    /// q̂ of the coming sample; after a pass, the part of it that does not need the coming input.
+    prediction: f32,
+    passed: bool,
 }
 
 impl<const N: usize> Default for LmsState<N> {
     fn default() -> Self {
-        Self { taps: [0.0; N], line: DelayLine::new() }
+        Self { taps: [0.0; N], line: DelayLine::new(), prediction: 0.0, passed: false }
     }
 }
 
@@ -115,63 +122,64 @@ pub struct Update {
 }
 
 impl<const N: usize> NormalizedLms<N> {
-    /// Meets q\[k\] (rad/s) with the inputs up to u\[k−1\], and moves the taps if `adapt`.
+    /// Meets q\[k\] (rad/s) with the inputs up to u\[k−1\], and moves the taps if `adapt`. At most once between two calls
+    /// of [`Self::push`].
     pub fn observe(&self, state: &mut LmsState<N>, q: f32, adapt: bool) -> Update {
-        let error = q - dot(&state.taps, state.line.regressor());
+        let LmsState { taps, line, prediction, passed } = state;
+        let error = q - *prediction;
+        *passed = true;
         if !adapt {
+            *prediction = pass(taps, line.regressor(), |w, _| w);
             return Update { error, gain: 0.0 };
         }
-        let gain = self.step * error / (self.regularisation + state.line.energy());
-        if self.keep == 1.0 {
-            add_scaled(&mut state.taps, gain, state.line.regressor());
+        let gain = self.step * error / (self.regularisation + line.energy());
+        *prediction = if self.keep == 1.0 {
+            pass(taps, line.regressor(), |w, x| w + gain * x)
         } else {
-            leak_and_add_scaled(&mut state.taps, self.keep, gain, state.line.regressor());
-        }
+            pass(taps, line.regressor(), |w, x| self.keep * w + gain * x)
+        };
         Update { error, gain }
     }
 
-    /// Takes the u\[k\] (rad) truly sent to the servo. Called once per tick, after [`Self::observe`].
+    /// Takes the u\[k\] (rad) truly sent to the servo. Called once per tick, after [`Self::observe`], also where there was
+    /// no sample to observe.
     pub fn push(&self, state: &mut LmsState<N>, u: f32) {
-        state.line.push(u, self.input_delay);
+        if !state.passed {
+            look_ahead(state);
+        }
+        let LmsState { taps, line, prediction, passed } = state;
+        *passed = false;
+        let newest = line.push(u, self.input_delay);
+        *prediction += taps.first().map_or(0.0, |w| w * newest);
     }
 }
 
-/// aᵀ b in the documented order.
-fn dot<const N: usize>(a: &[f32; N], b: &[f32; N]) -> f32 {
-    let (a8, a_rest) = a.as_chunks::<8>();
-    let (b8, b_rest) = b.as_chunks::<8>();
+#[cold]
+#[inline(never)]
+fn look_ahead<const N: usize>(state: &mut LmsState<N>) {
+    state.prediction = pass(&mut state.taps, state.line.regressor(), |w, _| w);
+}
+
+/// w\[i\] ← `change`(w\[i\], x\[i\]); returns Σ w\[i\] x\[i−1\] over i ≥ 1, in the documented order.
+fn pass<const N: usize>(w: &mut [f32; N], x: &[f32; N], change: impl Fn(f32, f32) -> f32) -> f32 {
+    let (w8, w_rest) = w.as_chunks_mut::<8>();
+    let (x8, x_rest) = x.as_chunks::<8>();
     let mut sums = [0.0_f32; 8];
-    for (a, b) in a8.iter().zip(b8) {
-        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a * b;
+    let mut before = 0.0;
+    for (w, x) in w8.iter_mut().zip(x8) {
+        for ((sum, w), x) in sums.iter_mut().zip(w).zip(x) {
+            *w = change(*w, *x);
+            *sum += *w * before;
+            before = *x;
         }
     }
-    for ((sum, a), b) in sums.iter_mut().zip(a_rest).zip(b_rest) {
-        *sum += a * b;
+    for ((sum, w), x) in sums.iter_mut().zip(w_rest).zip(x_rest) {
+        *w = change(*w, *x);
+        *sum += *w * before;
+        before = *x;
     }
     let [s0, s1, s2, s3, s4, s5, s6, s7] = sums;
     ((s0 + s1) + (s2 + s3)) + ((s4 + s5) + (s6 + s7))
-}
-
-/// w ← w + g x
-fn add_scaled<const N: usize>(w: &mut [f32; N], g: f32, x: &[f32; N]) {
-    let (w8, w_rest) = w.as_chunks_mut::<8>();
-    let (x8, x_rest) = x.as_chunks::<8>();
-    for (w, x) in w8.iter_mut().zip(x8) {
-        for (w, x) in w.iter_mut().zip(x) {
-            *w += g * x;
-        }
-    }
-    for (w, x) in w_rest.iter_mut().zip(x_rest) {
-        *w += g * x;
-    }
-}
-
-/// w ← λ w + g x
-fn leak_and_add_scaled<const N: usize>(w: &mut [f32; N], keep: f32, g: f32, x: &[f32; N]) {
-    for (w, x) in w.iter_mut().zip(x) {
-        *w = keep * *w + g * x;
-    }
 }
 
 #[cfg(test)]
@@ -233,13 +241,30 @@ mod tests {
 
     #[test]
     fn the_sum_is_taken_in_the_documented_order() {
-        let a: [f32; 11] = core::array::from_fn(|i| 1.0 / (3.0 + i as f32));
-        let b: [f32; 11] = core::array::from_fn(|i| (1.7 * i as f32).sin());
+        let mut w: [f32; 11] = core::array::from_fn(|i| 1.0 / (3.0 + i as f32));
+        let x: [f32; 11] = core::array::from_fn(|i| (1.7 * i as f32).sin());
+        let moved = w.map(|w| 0.5 * w);
         let mut s = [0.0_f32; 8];
-        for i in 0..11 {
-            s[i % 8] += a[i] * b[i];
+        for i in 1..11 {
+            s[i % 8] += moved[i] * x[i - 1];
         }
         let expected = ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
-        assert_eq!(dot(&a, &b).to_bits(), expected.to_bits());
+        assert_eq!(pass(&mut w, &x, |w, _| 0.5 * w).to_bits(), expected.to_bits());
+        assert_eq!(w, moved);
+    }
+
+    /// The error is q − wᵀφ for the taps and the regressor as they stand, however the sample before was treated.
+    #[test]
+    fn the_prediction_is_that_of_the_present_taps() {
+        let lms = LmsConfig { step: 0.7, input_delay: 1, ..LmsConfig::default() }.build::<19>().unwrap();
+        let (mut state, mut seed) = (LmsState::default(), 3);
+        for k in 0..500 {
+            let expected: f32 = state.taps().iter().zip(state.line().regressor()).map(|(w, x)| w * x).sum();
+            if k % 7 != 3 {
+                let error = lms.observe(&mut state, 1.0, k % 5 != 0).error;
+                assert!((error - (1.0 - expected)).abs() < 1e-5, "{k}: {error} {expected}");
+            }
+            lms.push(&mut state, noise(&mut seed));
+        }
     }
 }

@@ -122,9 +122,8 @@ pub fn cost_of_leaving_out(scenario: &Scenario) -> Result<f64, Error> {
 /// # Errors
 /// As [`fly`]; the target lies outside what the usual range can cost.
 pub fn size_for_loss(scenario: &Scenario, effect: &Setting, target: f64) -> Result<(Setting, f64), Error> {
-    let sign = if effect.size() < 0.0 { -1.0 } else { 1.0 };
     let cost = |size: f64| {
-        let setting = effect.resized(sign * size);
+        let setting = effect.resized(size);
         let flown = Scenario { effects: vec![setting.clone()], ..scenario.clone() };
         cost_of_leaving_out(&flown).map(|cost| (setting, cost))
     };

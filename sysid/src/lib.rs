@@ -1,1 +1,28 @@
-//! Identification.
+//! Identification and diagnosis of pitch attitude dynamics, from recordings alone.
+//!
+//! ```text
+//! recordings ── checks ──> dataset ──┬─> identify: taps, state space, grey box ──> validate (VAF on held-out data)
+//!                                    └─> diagnosis: where does the model differ, what is missing, does it pay
+//! ```
+//!
+//! | question | call |
+//! | --- | --- |
+//! | read a recording, with everything that is odd about it | [`recording::read`] |
+//! | the impulse response that the autopilot would have estimated | [`identify::lms::replay`] |
+//! | a state space from an impulse response | [`identify::kung::realise`] |
+//! | an unstructured impulse response, and the best VAF that any linear model could reach | [`identify::fir`] |
+//! | the grey box by output-error maximum likelihood, beside the other methods | [`identify::compare::identify`] |
+//! | what the user's simulation leaves out | [`diagnosis::diagnose`] |
+//!
+//! The symbols are those of [`model::grey_box`]. Every estimate is an [`estimate::Estimate`]: value, unit, interval.
+//! Errors are [`error::Error`]: what was found, where, what to do. Nothing here knows the simulator.
+
+pub mod dataset;
+pub mod diagnosis;
+pub mod error;
+pub mod estimate;
+pub mod identify;
+mod linalg;
+pub mod model;
+pub mod recording;
+pub mod validate;

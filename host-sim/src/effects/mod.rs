@@ -183,15 +183,20 @@ impl Setting {
         self.entry.parameters.iter().zip(self.values.iter().copied())
     }
 
-    /// The same effect at another size: the first parameter, with its sign.
-    pub(crate) fn resized(&self, size: f64) -> Self {
+    /// The same effect at another size: the first parameter, its sign kept.
+    #[must_use]
+    pub fn resized(&self, magnitude: f64) -> Self {
         let mut resized = self.clone();
-        resized.values[0] = size;
+        resized.values[0] = magnitude.copysign(self.values[0]);
         resized
     }
 
-    pub(crate) fn size(&self) -> f64 {
-        self.values[0]
+    /// The same effect with the sign of its size turned round.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let mut mirrored = self.clone();
+        mirrored.values[0] = -self.values[0];
+        mirrored
     }
 
     /// The effect itself, at rest; what is random in it hangs on `seed`.

@@ -1,0 +1,89 @@
+//! `pitchid diagnose`: what the model leaves out.
+
+use super::reading::Reading;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::report::content::Content;
+use crate::{output, report, text};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use sysid::diagnosis::{Diagnosis, diagnose};
+
+/// Says what physics the model of these recordings leaves out, and what adding it gains
+///
+/// Prints the verdict, a summary, the VAF before and after by section (what was held out is marked), the parameters with
+/// units and 95 % intervals, where the model differs, and the next experiment where candidates remain.
+#[derive(Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    #[command(flatten)]
+    reading: Reading,
+
+    /// Write the answer as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
+
+    /// Write a report: one HTML file with pictures that needs nothing else
+    #[arg(long, value_name = "OUT.html")]
+    report: Option<PathBuf>,
+
+    /// Write the model with what was missing; `pitchid simulate --model` flies it
+    #[arg(long, value_name = "EXTENDED.toml")]
+    out_model: Option<PathBuf>,
+}
+
+const AFTER_HELP: &str = "\
+Verdicts:
+  no_mismatch   the model, its parameters estimated again, explains the data down to the noise
+  named         the missing physics is identified and its rivals are ruled out
+  ambiguous     physics is missing and candidates remain, listed with the experiment that separates them
+  unlisted      physics is missing and nothing in the catalogue explains it
+  not_excited   the data cannot tell: too short, too weak, too noisy
+
+Examples:
+  pitchid diagnose flight.csv --model sim.toml --report flight.html --out-model extended.toml
+  pitchid diagnose log.csv --column q_rad_s=gyro_y --section I=5..30 --section IV=65..90
+  pitchid diagnose rig.csv --input interpolated --json - | jq .verdict
+
+Exit status: 0 a diagnosis was made, whatever it says; 2 the input could not be used.";
+
+/// Diagnoses.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let outputs = [&arguments.json, &arguments.report, &arguments.out_model];
+    output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &arguments.reading.inputs())?;
+    let recordings = arguments.reading.recordings()?;
+    let model = arguments.reading.model()?;
+    let progress = Progress::start("reading");
+    let found = diagnose(&recordings, model.as_ref().map(|(_, m)| m), &|what| progress.say(what))?;
+    drop(progress);
+    let named = model.as_ref().map(|(name, m)| (name.as_str(), m));
+    let content = Content::new(&found.answer, &found.traces, arguments.reading.names(), named);
+    let quiet = outputs.into_iter().any(|path| output::is_stdout(path.as_deref()));
+    if !quiet {
+        output::print(&text::diagnosis(&content))?;
+    }
+    let written = write(arguments, &found, &content)?;
+    if quiet { Ok(()) } else { output::print(&written) }
+}
+
+/// Writes what was asked for and says so.
+fn write(arguments: &Arguments, found: &Diagnosis, content: &Content) -> Result<String, Failure> {
+    let mut said = String::new();
+    let mut put = |what: &str, path: &Path, text: &str| -> Result<(), Failure> {
+        if said.is_empty() {
+            said.push('\n');
+        }
+        said.push_str(&format!("{what}: {}\n", path.display()));
+        output::write(path, text)
+    };
+    if let Some(path) = &arguments.out_model {
+        put("extended model", path, &found.model.to_toml()?)?;
+    }
+    if let Some(path) = &arguments.report {
+        put("report", path, &report::html(content, &found.traces)?)?;
+    }
+    if let Some(path) = &arguments.json {
+        put("answer", path, &output::json(&found.answer)?)?;
+    }
+    Ok(said)
+}

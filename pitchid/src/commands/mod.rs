@@ -1,0 +1,51 @@
+//! What can be asked for. Each subcommand reads its arguments, calls the libraries and shows what they answer.
+
+mod demo;
+mod diagnose;
+mod identify;
+mod reading;
+mod simulate;
+
+use crate::failure::Failure;
+use clap::{Parser, Subcommand};
+
+/// Finds out what the model of a vehicle's pitch axis leaves out: locates it, names it, adds it to the model, and shows what
+/// that gains.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true, after_help = AFTER_HELP)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  pitchid demo                                        see it all at work, without data of your own
+  pitchid diagnose flight.csv --model sim.toml --report flight.html
+  pitchid identify test1.csv test2.csv --out-model fitted.toml
+  pitchid simulate --effect coulomb_friction:Mc=0.1 --out friction.csv
+
+Exit status:
+  0  the question was answered, whatever the answer is
+  2  the input or the arguments could not be used; the message says where and what to do";
+
+#[derive(Subcommand)]
+enum Command {
+    Demo(demo::Arguments),
+    Diagnose(diagnose::Arguments),
+    Identify(identify::Arguments),
+    Simulate(simulate::Arguments),
+}
+
+/// Does what was asked for.
+///
+/// # Errors
+/// Input that cannot be used, with a message for people.
+pub fn run(cli: Cli) -> Result<(), Failure> {
+    match cli.command {
+        Command::Demo(arguments) => demo::run(&arguments),
+        Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Identify(arguments) => identify::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
+    }
+}

@@ -1,0 +1,221 @@
+//! `pitchid simulate`: flies a test on the simulated test-bed.
+
+use crate::failure::Failure;
+use crate::output;
+use clap::{Args, ValueEnum};
+use estimator_core::Phase;
+use host_sim::{Background, CATALOGUE, Flight, Mount, Plant, Scenario, Setting, fly};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use sysid::diagnosis::baseline::read_model;
+use sysid::model::file::ModelFile;
+
+/// Flies a whole test (PRBS sections I to III, closed loop IV) on a simulated vehicle and writes the recording
+///
+/// Prints what was flown and how the test ended. Without --model the vehicle is the nominal one. The recording holds what a
+/// rig would have logged; what was really there goes to --truth. The same arguments give the same bytes.
+#[derive(Args)]
+#[command(after_help = after_help())]
+pub struct Arguments {
+    /// Dwell of the PRBS: 1 = 0.05..0.1 s, 2 = 0.1..0.2 s, 3 = 0.2..0.4 s, 4 = 0.4..0.8 s
+    #[arg(long, value_name = "1..4", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=4))]
+    campaign: u8,
+
+    /// Amplitude of the PRBS, rad
+    #[arg(long, value_name = "RAD", default_value_t = 0.015)]
+    amplitude: f32,
+
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Physics to conceal; without parameters at a usual size
+    #[arg(long = "effect", value_name = "ID[:PARAM=VALUE,...]")]
+    effects: Vec<EffectSpec>,
+
+    /// How much of the motion nothing causes: the true model reaches a VAF of 98, 90 or 75 %
+    #[arg(long, value_enum, default_value_t = Level::Lab)]
+    background: Level,
+
+    /// Fly the plant and the effects of this model file
+    #[arg(long, value_name = "FILE.toml")]
+    model: Option<PathBuf>,
+
+    /// Where the recording goes; - is standard output
+    #[arg(long, value_name = "RECORDING.csv")]
+    out: PathBuf,
+
+    /// Where the truth goes
+    #[arg(long, value_name = "TRUTH.json")]
+    truth: Option<PathBuf>,
+}
+
+/// Size of the background moment.
+#[derive(Clone, Copy, ValueEnum)]
+enum Level {
+    Clean,
+    Lab,
+    Paper,
+}
+
+/// An effect as it is asked for.
+#[derive(Clone, Debug)]
+struct EffectSpec {
+    id: String,
+    parameters: Vec<(String, f64)>,
+}
+
+impl FromStr for EffectSpec {
+    type Err = String;
+
+    /// Parses `id` or `id:param=value,param=value`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (id, rest) = text.split_once(':').map_or((text, None), |(id, rest)| (id, Some(rest)));
+        let parameter = |part: &str| -> Result<(String, f64), String> {
+            let (name, value) = part.split_once('=').ok_or(format!("{part:?}: write PARAM=VALUE"))?;
+            let number: f64 = value.trim().parse().map_err(|_| format!("{value:?} is no number"))?;
+            Ok((name.trim().to_owned(), number))
+        };
+        let parameters = rest.map(|r| r.split(',').map(parameter).collect::<Result<_, _>>()).transpose()?;
+        Ok(Self { id: id.trim().to_owned(), parameters: parameters.unwrap_or_default() })
+    }
+}
+
+impl EffectSpec {
+    fn setting(&self) -> Result<Setting, host_sim::Error> {
+        if self.parameters.is_empty() {
+            return Setting::usual(&self.id, false);
+        }
+        let named: Vec<(&str, f64)> = self.parameters.iter().map(|(name, v)| (name.as_str(), *v)).collect();
+        Setting::new(&self.id, &named)
+    }
+}
+
+fn after_help() -> String {
+    let effects = CATALOGUE.iter().map(|entry| {
+        let parameters: Vec<String> =
+            entry.parameters.iter().map(|p| format!("{} {}", p.name, p.unit)).collect();
+        format!("  {:<20} {}\n", entry.id, parameters.join(", "))
+    });
+    format!(
+        "Effects and their parameters:\n{}\n\
+         Examples:\n  \
+         pitchid simulate --out nominal.csv\n  \
+         pitchid simulate --effect coulomb_friction:Mc=0.1 --seed 7 --out friction.csv --truth friction.json\n  \
+         pitchid simulate --model extended.toml --background paper --out again.csv\n\n\
+         Exit status: 0 the test was flown, however it ended; 2 the arguments could not be used.",
+        effects.collect::<String>()
+    )
+}
+
+/// Simulates.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let outputs = [Some(&arguments.out), arguments.truth.as_ref()];
+    let inputs: Vec<&Path> = arguments.model.iter().map(PathBuf::as_path).collect();
+    output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
+    let flight = fly(&scenario(arguments)?)?;
+    output::write(&arguments.out, &flight.recording())?;
+    if let Some(path) = &arguments.truth {
+        output::write(path, &output::json(&flight.truth)?)?;
+    }
+    if outputs.into_iter().flatten().any(|path| output::is_stdout(Some(path))) {
+        return Ok(());
+    }
+    output::print(&told(arguments, &flight))
+}
+
+fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
+    let mut scenario = Scenario::campaign(arguments.campaign.into(), arguments.amplitude, arguments.seed)?;
+    scenario.background = match arguments.background {
+        Level::Clean => Background::Clean,
+        Level::Lab => Background::Lab,
+        Level::Paper => Background::Paper,
+    };
+    if let Some(path) = &arguments.model {
+        let model = read_model(path)?;
+        scenario.plant = plant(&model, &path.display().to_string())?;
+        scenario.effects = effects(&model)?;
+    }
+    for spec in &arguments.effects {
+        scenario.effects.push(spec.setting()?);
+    }
+    Ok(scenario)
+}
+
+/// The simulator's plant with the values of a model file.
+fn plant(model: &ModelFile, file: &str) -> Result<Plant, Failure> {
+    let given = &model.plant;
+    let needed = |value: Option<f64>, key: &str| {
+        let message = format!("{file}: the plant has no {key}; it cannot be flown without");
+        value.ok_or_else(|| Failure::new(message, format!("add a line {key} = NUMBER under [plant]")))
+    };
+    let mount = match (given.mount_k, given.mount_c, given.mount_j) {
+        (Some(k), Some(c), Some(j)) => Some(Mount { k, c, j }),
+        _ => None,
+    };
+    Ok(Plant {
+        inertia_kg_m2: given.inertia_kg_m2,
+        dm_dq: needed(given.dm_dq, "dM_dq_N_m_s")?,
+        dm_du: needed(given.dm_du, "dM_du_N_m")?,
+        delay_s: needed(given.delay_s, "delay_s")?,
+        mount,
+    })
+}
+
+fn effects(model: &ModelFile) -> Result<Vec<Setting>, host_sim::Error> {
+    let setting = |entry: &sysid::model::file::EffectEntry| {
+        let named: Vec<(&str, f64)> = entry.parameters.iter().map(|(name, v)| (name.as_str(), *v)).collect();
+        Setting::new(&entry.id, &named)
+    };
+    model.effects.iter().map(setting).collect()
+}
+
+fn told(arguments: &Arguments, flight: &Flight) -> String {
+    let seconds = flight.rows.last().map_or(0.0, |row| row.t_s);
+    let overridden = flight.rows.iter().filter(|row| row.supervised).count();
+    let share = 100.0 * overridden as f64 / flight.rows.len().max(1) as f64;
+    let end = match flight.outcome {
+        Phase::Aborted { cause } => format!("broken off by the supervisor: {cause}"),
+        _ => "finished".into(),
+    };
+    format!(
+        "{}: campaign {}, amplitude {} rad, seed {}; {seconds:.1} s, {} samples, {share:.1} % overridden by the supervisor; {end}\n",
+        arguments.out.display(),
+        arguments.campaign,
+        arguments.amplitude,
+        arguments.seed,
+        flight.rows.len(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn effects_are_parsed_with_and_without_parameters() {
+        let spec: EffectSpec = "inflow_lag:g=0.4, T_lambda=0.1".parse().unwrap();
+        assert_eq!(spec.id, "inflow_lag");
+        assert_eq!(spec.parameters, [("g".to_owned(), 0.4), ("T_lambda".to_owned(), 0.1)]);
+        assert!("servo_lag".parse::<EffectSpec>().unwrap().parameters.is_empty());
+        assert!("servo_lag:T".parse::<EffectSpec>().unwrap_err().contains("PARAM=VALUE"));
+        assert!("servo_lag:T=x".parse::<EffectSpec>().unwrap_err().contains("no number"));
+    }
+
+    #[test]
+    fn every_effect_flies_at_its_usual_size() {
+        for entry in CATALOGUE {
+            assert!(entry.id.parse::<EffectSpec>().unwrap().setting().is_ok());
+        }
+    }
+
+    #[test]
+    fn a_model_without_what_flying_needs_is_refused() {
+        let text = "[plant]\ninertia_kg_m2 = 0.2\ndM_du_N_m = 20.0\ndelay_s = 0.05\n";
+        let model = sysid::model::file::parse("m.toml", text, &[]).unwrap();
+        assert!(plant(&model, "m.toml").unwrap_err().to_string().contains("dM_dq_N_m_s"));
+        let model = sysid::model::file::parse("m.toml", &format!("{text}dM_dq_N_m_s = -0.3\n"), &[]).unwrap();
+        let plant = plant(&model, "m.toml").unwrap();
+        assert_eq!((plant.dm_dq, plant.dm_du, plant.delay_s, plant.mount), (-0.3, 20.0, 0.05, None));
+    }
+}

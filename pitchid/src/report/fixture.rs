@@ -1,0 +1,84 @@
+//! An answer with something in every part, for tests.
+
+use std::collections::BTreeMap;
+use sysid::diagnosis::answer::{
+    Alternative, Answer, Dependence, EffectAnswer, Evidence, FitAnswer, Location, ModelAnswer,
+    NextExperiment, Verdict,
+};
+use sysid::diagnosis::effects::Locus;
+use sysid::estimate::Estimate;
+
+/// What a malicious file might hold.
+pub const HOSTILE: &str = "</script><script>alert('x')</script>&\"";
+
+pub fn estimate(name: &str, value: f64) -> Estimate {
+    Estimate { name: name.into(), unit: "N m".into(), value, ci95: [0.9 * value, 1.1 * value] }
+}
+
+pub fn model(vaf: f64, parameters: Vec<Estimate>) -> ModelAnswer {
+    ModelAnswer {
+        vaf_percent: BTreeMap::from([("I".into(), vaf), (HOSTILE.into(), vaf)]),
+        parameters,
+        simulation_parameters: BTreeMap::new(),
+    }
+}
+
+/// An answer with these effects, each with one parameter, and rivals of the first.
+pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Answer {
+    let parameter = |id: &str| if id == "coulomb_friction" { "Mc" } else { "b" };
+    let added = effects.iter().map(|(id, value)| estimate(parameter(id), *value));
+    let plant = || vec![estimate("dM_dq", 0.1)];
+    let after = plant().into_iter().chain(added.clone()).collect();
+    let alternatives: Vec<Alternative> =
+        rivals.iter().map(|id| Alternative { id: (*id).into(), probability: 0.3 }).collect();
+    let effect = |((id, _), parameter): (&(&str, f64), Estimate)| EffectAnswer {
+        id: (*id).into(),
+        locus: Locus::PitchMoment,
+        equation: "M -= Mc sign(q)".into(),
+        parameters: vec![parameter],
+        probability: 0.7,
+        alternatives: alternatives.clone(),
+        evidence: Evidence {
+            delta_bic: 3926.0,
+            p_value: 0.0,
+            vaf_gain_points: 16.7,
+            held_out_log_likelihood_gain: 900.0,
+        },
+    };
+    Answer {
+        schema: "pitchid.diagnosis/1",
+        verdict,
+        summary: "Dry friction, or a deadband.".into(),
+        effects: effects.iter().zip(added).map(effect).collect(),
+        location: Some(location()),
+        fit: FitAnswer {
+            baseline: model(79.6, plant()),
+            extended: model(96.3, after),
+            held_out: vec![HOSTILE.into()],
+            ceiling_vaf_percent: BTreeMap::from([("I".into(), 97.0)]),
+        },
+        next_experiment: Some(NextExperiment {
+            switching_s: [0.05, 0.1],
+            amplitude_rad: 0.012,
+            separates: ["coulomb_friction".into(), "servo_deadband".into()],
+            why: "a small signal shows the deadband".into(),
+        }),
+        notes: vec![HOSTILE.into()],
+    }
+}
+
+fn location() -> Location {
+    Location {
+        locus: Locus::PitchMoment,
+        time_s: vec![[2.0, 3.0]],
+        band_rad_s: [0.5, 7.0],
+        variable: "q".into(),
+        condition: "when the pitch rate changes sign".into(),
+        dependence: vec![Dependence {
+            variable: "q".into(),
+            unit: "rad/s".into(),
+            share: 0.25,
+            classes: vec![[-0.3, 0.1, 0.01], [0.3, -0.1, 0.01]],
+        }],
+    }
+}

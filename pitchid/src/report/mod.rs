@@ -1,0 +1,118 @@
+//! The report: one HTML file that needs nothing else, readable in light and dark and on paper.
+
+pub mod canvas;
+pub mod content;
+mod decimate;
+mod dependence;
+pub mod traces;
+
+use crate::failure::Failure;
+use content::{Content, is_everywhere};
+use minijinja::value::Serde;
+use minijinja::{AutoEscape, Environment};
+use serde::Serialize;
+use sysid::diagnosis::answer::Answer;
+use sysid::diagnosis::judge::Trace;
+use traces::View;
+
+/// Sections drawn besides the first that was held out; a report of more would be too long to read.
+const MOST_SECTIONS: usize = 16;
+
+/// A picture with its caption.
+#[derive(Serialize)]
+struct Figure {
+    caption: String,
+    svg: String,
+}
+
+/// What the template is given.
+#[derive(Serialize)]
+struct Page<'a> {
+    content: &'a Content,
+    first: Option<Figure>,
+    others: Vec<Figure>,
+    /// Number of sections that are in the table only.
+    undrawn: usize,
+    dependence: Option<String>,
+    dark_style: &'static str,
+    json: String,
+}
+
+/// Renders the report.
+///
+/// # Errors
+/// A picture or the page that could not be drawn.
+pub fn html(content: &Content, traces: &[Trace]) -> Result<String, Failure> {
+    let failed = |error: minijinja::Error| {
+        Failure::new(format!("the report could not be made: {error}"), "leave out --report")
+    };
+    let answer = &content.answer;
+    let (first, others) = figures(content, traces)?;
+    let dependence = answer.location.as_ref().and_then(|l| l.dependence.first());
+    let dependence = dependence.map(dependence::picture).transpose()?;
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.add_template("report", include_str!("report.html")).map_err(failed)?;
+    let page = Page {
+        content,
+        first,
+        others,
+        undrawn: traces.len().saturating_sub(MOST_SECTIONS + 1),
+        dependence,
+        dark_style: canvas::DARK_STYLE,
+        json: embedded_json(content)?,
+    };
+    environment.get_template("report").and_then(|t| t.render(Serde(page))).map_err(failed)
+}
+
+/// The section that shows most, large, and the others.
+fn figures(content: &Content, traces: &[Trace]) -> Result<(Option<Figure>, Vec<Figure>), Failure> {
+    let Some(first) = headline_trace(traces) else { return Ok((None, Vec::new())) };
+    let windows = marked_windows(&content.answer, traces);
+    let view = |trace| View { trace, changed: is_changed(&content.answer), windows: &windows };
+    let caption = |trace: &Trace| caption(content, trace);
+    let large = Figure { caption: caption(first), svg: view(first).large()? };
+    let others = traces.iter().filter(|t| t.label != first.label).take(MOST_SECTIONS);
+    let others = others.map(|t| Ok(Figure { caption: caption(t), svg: view(t).small()? }));
+    Ok((Some(large), others.collect::<Result<_, Failure>>()?))
+}
+
+/// The first section that was held out, or else the first.
+pub fn headline_trace(traces: &[Trace]) -> Option<&Trace> {
+    traces.iter().find(|t| t.held_out).or(traces.first())
+}
+
+/// Whether anything was added to the model.
+pub fn is_changed(answer: &Answer) -> bool {
+    !answer.effects.is_empty()
+}
+
+fn caption(content: &Content, trace: &Trace) -> String {
+    let held = if trace.held_out { ", held out: nothing was fitted on it" } else { "" };
+    let row = content.fit.iter().find(|row| row.section == trace.label);
+    let vaf = match row {
+        Some(row) if is_changed(&content.answer) => format!(". VAF {} % → {} %", row.baseline, row.extended),
+        Some(row) => format!(". VAF {} %", row.baseline),
+        None => String::new(),
+    };
+    format!("Section {}{held}{vaf}", trace.label)
+}
+
+/// The windows of the answer, unless they are nearly everything.
+fn marked_windows(answer: &Answer, traces: &[Trace]) -> Vec<[f64; 2]> {
+    let windows = answer.location.as_ref().map_or(&[][..], |l| &l.time_s);
+    if is_everywhere(windows, traces) { Vec::new() } else { windows.to_vec() }
+}
+
+/// JSON that may stand inside a script element: no text in it can end the element.
+fn embedded_json(content: &Content) -> Result<String, Failure> {
+    let text = serde_json::to_string(content).map_err(|e| {
+        Failure::new(format!("the report's JSON could not be made: {e}"), "leave out --report")
+    })?;
+    Ok(text.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026"))
+}
+
+#[cfg(test)]
+pub mod fixture;
+#[cfg(test)]
+mod tests;

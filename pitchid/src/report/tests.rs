@@ -1,0 +1,107 @@
+use super::fixture::{HOSTILE, model};
+use super::*;
+use std::collections::BTreeMap;
+use sysid::diagnosis::answer::{FitAnswer, Verdict};
+
+fn answer() -> Answer {
+    fixture::answer(Verdict::Ambiguous, &[("coulomb_friction", 0.1)], &["servo_deadband"])
+}
+
+fn traces() -> Vec<Trace> {
+    let t: Vec<f64> = (0..500).map(|k| 0.02 * f64::from(k)).collect();
+    let wave: Vec<f64> = t.iter().map(|t| t.sin()).collect();
+    let trace = |label: &str, held_out| Trace {
+        label: label.into(),
+        held_out,
+        t: t.clone(),
+        measured: wave.clone(),
+        baseline: wave.clone(),
+        extended: wave.clone(),
+        unit: "rad/s",
+    };
+    vec![trace("I", false), trace(HOSTILE, true)]
+}
+
+fn page(answer: &Answer, traces: &[Trace]) -> String {
+    html(&Content::new(answer, traces, vec![HOSTILE.into()], None), traces).unwrap()
+}
+
+#[test]
+fn nothing_from_a_file_becomes_markup() {
+    let page = page(&answer(), &traces());
+    assert_eq!(page.matches("<script").count(), 1);
+    assert_eq!(page.matches("</script>").count(), 1);
+    assert!(!page.contains("alert('x')</"));
+}
+
+#[test]
+fn the_page_needs_nothing_else() {
+    let page = page(&answer(), &traces());
+    for external in ["http:", "https:", "src=", "href=", "@import", "url("] {
+        assert!(!page.contains(external), "{external}");
+    }
+}
+
+#[test]
+fn the_embedded_json_is_the_content() {
+    let page = page(&answer(), &traces());
+    let (_, rest) = page.split_once("id=\"diagnosis\">").unwrap();
+    let (json, _) = rest.split_once("</script>").unwrap();
+    let content: serde_json::Value = serde_json::from_str(json).unwrap();
+    assert_eq!(content["answer"]["verdict"], "ambiguous");
+    assert_eq!(content["recordings"][0], HOSTILE);
+}
+
+#[test]
+fn every_part_of_the_answer_is_shown() {
+    let page = page(&answer(), &traces());
+    let parts = ["coulomb_friction", "servo_deadband (30 %)", "79.6", "96.3", "97.0", "held out", "sign(q)"];
+    for part in parts {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(page.contains("pitch damping") && page.contains("0.100") && page.contains("0.05 to 0.1 s"));
+    assert_eq!(page.matches("<svg").count(), 3, "two sections, one dependence");
+}
+
+#[test]
+fn an_answer_without_anything_is_a_page_too() {
+    let nothing = || model(0.0, Vec::new());
+    let fit = FitAnswer {
+        baseline: nothing(),
+        extended: nothing(),
+        held_out: Vec::new(),
+        ceiling_vaf_percent: BTreeMap::new(),
+    };
+    let empty = Answer {
+        verdict: Verdict::NotExcited,
+        effects: Vec::new(),
+        location: None,
+        fit,
+        next_experiment: None,
+        notes: Vec::new(),
+        ..answer()
+    };
+    let page = page(&empty, &[]);
+    assert!(page.contains("These data cannot tell") && !page.contains("<svg"));
+}
+
+#[test]
+fn windows_that_cover_nearly_everything_mark_nothing() {
+    let mut answer = answer();
+    assert_eq!(marked_windows(&answer, &traces()).len(), 1);
+    if let Some(location) = answer.location.as_mut() {
+        location.time_s = vec![[0.0, 9.5]];
+    }
+    assert!(marked_windows(&answer, &traces()).is_empty());
+}
+
+#[test]
+fn parameters_of_one_name_belong_to_their_own_effects() {
+    let twice = [("servo_deadband", 0.004), ("linkage_backlash", 0.001)];
+    let rows = Content::new(&fixture::answer(Verdict::Named, &twice, &[]), &[], Vec::new(), None).parameters;
+    let of =
+        |row: &content::ParameterRow| (row.meaning.clone(), row.extended.as_ref().map(|s| s.value.clone()));
+    assert_eq!(of(&rows[1]), ("servo_deadband".into(), Some("0.00400".into())));
+    assert_eq!(of(&rows[2]), ("linkage_backlash".into(), Some("0.00100".into())));
+    assert!(rows[0].baseline.is_some() && rows[1].baseline.is_none());
+}

@@ -1,0 +1,190 @@
+//! Answers as they stand on a terminal: paragraphs and tables of plain text.
+
+use crate::format;
+use crate::output::width;
+use crate::report::content::{Content, plant_meaning};
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
+use std::fmt::Write as _;
+use sysid::estimate::Estimate;
+use sysid::identify::compare::Identification;
+
+/// A paragraph, wrapped to the terminal, every further line under the first.
+pub fn paragraph(text: &str) -> String {
+    indented(text, "", "")
+}
+
+fn indented(text: &str, first: &str, further: &str) -> String {
+    let options = textwrap::Options::new(width().into()).initial_indent(first).subsequent_indent(further);
+    format!("{}\n", textwrap::fill(text, options))
+}
+
+fn heading(text: &str) -> String {
+    format!("\n{text}\n")
+}
+
+/// A table with `left` columns of text, the others of numbers.
+pub fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>, left: usize) -> String {
+    let mut table = Table::new();
+    let rule = LineStyle::none().fill('─').junction('─');
+    table.load_style(presets::NOTHING.header_separator(rule));
+    table.set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_width(width()).set_header(header.to_vec()).add_rows(rows);
+    for column in table.column_iter_mut().skip(left) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let lines: Vec<String> = table.lines().map(|line| line.trim_end().to_owned() + "\n").collect();
+    lines.concat()
+}
+
+/// A diagnosis.
+pub fn diagnosis(content: &Content) -> String {
+    let answer = &content.answer;
+    let mut text = paragraph(&format!("{}: {}", content.verdict.to_uppercase(), content.headline));
+    text.push('\n');
+    text.push_str(&paragraph(&answer.summary));
+    text.push_str(&fit(content));
+    for effect in &content.effects {
+        text.push_str(&heading(&format!("Added: {} ({})", effect.id, effect.locus)));
+        text.push_str(&indented(&effect.equation, "  ", "    "));
+        text.push_str(&indented(&effect.evidence, "  ", "  "));
+        if let Some(alternatives) = &effect.alternatives {
+            text.push_str(&indented(&format!("instead possible: {alternatives}"), "  ", "  "));
+        }
+    }
+    text.push_str(&parameters(content));
+    text.push_str(&location(content));
+    if let Some(next) = &answer.next_experiment {
+        text.push_str(&heading("Next experiment"));
+        let [low, high] = next.switching_s;
+        let [a, b] = &next.separates;
+        let told = format!(
+            "PRBS, dwell {low} to {high} s, amplitude {}: tells {a} from {b}; {}",
+            next.amplitude_rad, next.why
+        );
+        text.push_str(&indented(&told, "  ", "  "));
+    }
+    text + &notes(&answer.notes)
+}
+
+fn fit(content: &Content) -> String {
+    if content.fit.is_empty() {
+        return String::new();
+    }
+    let changed = !content.effects.is_empty();
+    let rows = content.fit.iter().map(|row| {
+        let mark = if row.held_out { " (held out)" } else { "" };
+        let after = changed.then(|| row.extended.clone());
+        let left = [format!("{}{mark}", row.section), row.baseline.clone()];
+        left.into_iter().chain(after).chain([row.ceiling.clone()]).collect()
+    });
+    let header: &[&str] =
+        if changed { &["section", "before", "after", "ceiling"] } else { &["section", "model", "ceiling"] };
+    heading(
+        "VAF of the simulated pitch motion, % (parameters estimated again; ceiling: linear, without structure)",
+    ) + &table(header, rows, 1)
+}
+
+fn parameters(content: &Content) -> String {
+    if content.parameters.is_empty() {
+        return String::new();
+    }
+    let changed = !content.effects.is_empty();
+    let shown = |shown: &Option<format::Shown>| match shown {
+        Some(s) => [s.value.clone(), s.interval.clone()],
+        None => ["-".into(), String::new()],
+    };
+    let rows = content.parameters.iter().map(|row| {
+        let of_effect = plant_meaning(&row.name).is_empty() && !row.meaning.is_empty();
+        let name = if of_effect { format!("{} ({})", row.name, row.meaning) } else { row.name.clone() };
+        let mut cells = vec![name, row.unit.clone()];
+        if content.model.is_some() {
+            cells.push(row.given.clone().unwrap_or("-".into()));
+        }
+        cells.extend(shown(&row.baseline));
+        if changed {
+            cells.extend(shown(&row.extended));
+        }
+        cells
+    });
+    let given = content.model.as_ref().map(|_| "in the model");
+    let estimated: &[&str] = if changed {
+        &["before", "95 % interval", "after", "95 % interval"]
+    } else {
+        &["estimated", "95 % interval"]
+    };
+    let header: Vec<&str> =
+        ["parameter", "unit"].into_iter().chain(given).chain(estimated.iter().copied()).collect();
+    heading("Parameters") + &table(&header, rows, 2)
+}
+
+fn location(content: &Content) -> String {
+    let Some(location) = &content.location else { return String::new() };
+    let shares: Vec<String> =
+        location.shares.iter().map(|(name, share)| format!("{name} {share:.0} %")).collect();
+    let mut text = heading("Where the model differs");
+    let lines = [
+        ("in the loop", location.locus.as_str()),
+        ("when", &location.condition),
+        ("time", &location.time),
+        ("band", &location.band),
+        ("depends on", &location.variable),
+        ("share of the residual moment", &shares.join(", ")),
+    ];
+    for (what, value) in lines.into_iter().filter(|(_, value)| !value.is_empty()) {
+        text.push_str(&indented(&format!("{what}: {value}"), "  ", "    "));
+    }
+    text
+}
+
+/// An identification.
+pub fn identification(found: &Identification) -> String {
+    let mut text = methods(found);
+    text.push_str(&heading("Parameters of the grey box (95 % interval)"));
+    text.push_str(&estimates(&found.parameters));
+    let _ =
+        write!(text, "\nfitted on {}; held out {}\n", found.training.join(", "), found.held_out.join(", "));
+    text + &notes(&found.notes)
+}
+
+/// The methods side by side: VAF on what was held out.
+pub fn methods(found: &Identification) -> String {
+    let columns: Vec<String> = found.held_out.iter().map(|label| held_out_title(label, found)).collect();
+    let mut header = vec!["method", "", "remark"];
+    header.extend(columns.iter().map(String::as_str));
+    let rows = found.methods.iter().map(|method| {
+        let vaf = |label: &String| method.vaf_percent.get(label).map_or("-".into(), |v| format::percent(*v));
+        let mut cells = vec![method.name.clone(), method.detail.clone(), method.remark.clone()];
+        cells.extend(found.held_out.iter().map(vaf));
+        cells
+    });
+    String::from("VAF of the simulated pitch motion on data that nothing was fitted on, %\n")
+        + &table(&header, rows, 3)
+}
+
+/// What a held-out section is: the closed loop, or an excitation that was left over.
+fn held_out_title(label: &str, found: &Identification) -> String {
+    let is_closed_loop = |l: &str| l.rsplit(':').next().is_some_and(|l| l.split('#').next() == Some("IV"));
+    match label {
+        _ if is_closed_loop(label) => format!("{label} (closed loop)"),
+        _ if found.held_out.iter().any(|l| is_closed_loop(l)) => format!("{label} (unused PRBS)"),
+        _ => label.to_owned(),
+    }
+}
+
+/// Estimates with unit and interval.
+pub fn estimates(list: &[Estimate]) -> String {
+    let rows = list.iter().map(|estimate| {
+        let shown = format::estimate(estimate);
+        let (name, unit) = (estimate.name.clone(), format::unit(&estimate.unit).to_owned());
+        vec![name, plant_meaning(&estimate.name).into(), unit, shown.value, shown.interval]
+    });
+    table(&["parameter", "", "unit", "value", "95 % interval"], rows, 3)
+}
+
+fn notes(notes: &[String]) -> String {
+    if notes.is_empty() {
+        return String::new();
+    }
+    let lines: Vec<String> = notes.iter().map(|note| indented(note, "  - ", "    ")).collect();
+    heading("Noticed in the recordings") + &lines.concat()
+}

@@ -1,0 +1,312 @@
+//! The real binary in a folder of its own: exit status, messages, answers, files.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Output, Stdio};
+use tempfile::TempDir;
+
+const HEADER: &str = "t_s,u_rad,q_rad_s\n";
+
+/// A folder with what a test writes and runs in it.
+struct Bench(TempDir);
+
+impl Bench {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.path(name), text).unwrap();
+    }
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap()
+    }
+    fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.read(name)).unwrap()
+    }
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pitchid"));
+        command.current_dir(self.0.path()).args(arguments);
+        command
+    }
+    fn run(&self, arguments: &[&str]) -> Output {
+        let output = self.command(arguments).output().unwrap();
+        assert!(!text(&output.stderr).contains("panicked"), "{}", text(&output.stderr));
+        output
+    }
+    /// Runs what must succeed, and returns what it printed.
+    fn answered(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+        text(&output.stdout)
+    }
+    /// Runs what must be refused without an answer, and returns the message.
+    fn refused(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty(), "{}", text(&output.stdout));
+        text(&output.stderr)
+    }
+    /// A test with dry friction, strong enough to be found.
+    fn with_friction(self) -> Self {
+        let effect = "coulomb_friction:Mc=0.1";
+        let flown = self.answered(&[
+            "simulate",
+            "--effect",
+            effect,
+            "--background",
+            "clean",
+            "--seed",
+            "5",
+            "--out",
+            "flight.csv",
+        ]);
+        assert!(flown.contains("flight.csv") && flown.contains("finished"), "{flown}");
+        self
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn assert_names(message: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(message.contains(part), "no {part:?} in: {message}");
+    }
+}
+
+/// A well-formed table of `n` rows, of which `change` may spoil some.
+fn table(n: usize, change: impl Fn(usize, &mut Vec<String>)) -> String {
+    let row = |k: usize| {
+        let t = 0.02 * k as f64;
+        let u = if (k / 25).is_multiple_of(2) { 0.015 } else { -0.015 };
+        let mut cells = vec![format!("{t:.2}"), format!("{u}"), format!("{:.6}", 0.2 * (2.0 * t).sin())];
+        change(k, &mut cells);
+        cells.join(",") + "\n"
+    };
+    HEADER.to_owned() + &(0..n).map(row).collect::<String>()
+}
+
+#[test]
+fn help_version_and_no_arguments() {
+    let bench = Bench::new();
+    assert!(bench.answered(&["--version"]).starts_with("pitchid "));
+    assert_names(&bench.answered(&["--help"]), &["diagnose", "identify", "simulate", "demo", "Exit status"]);
+    for subcommand in ["diagnose", "identify", "simulate", "demo"] {
+        assert_names(&bench.answered(&[subcommand, "--help"]), &["Examples:", "Exit status"]);
+    }
+    assert_names(&bench.refused(&[]), &["Usage"]);
+    assert_names(&bench.refused(&["diagnose"]), &["RECORDING"]);
+    assert_names(&bench.refused(&["diagnose", "a.csv", "--column", "q_rad_s"]), &["--column", "gyro_y"]);
+}
+
+#[test]
+fn malformed_tables_are_refused_with_their_place() {
+    let bench = Bench::new();
+    let cell = |row: usize, column: usize, value: &str| {
+        let value = value.to_owned();
+        table(200, move |k, cells| {
+            if k == row {
+                cells[column].clone_from(&value);
+            }
+        })
+    };
+    let cases: [(&str, String, &[&str]); 7] = [
+        ("text.csv", cell(7, 2, "abc"), &["line 9", "q_rad_s", "abc"]),
+        ("nan.csv", cell(11, 1, "NaN"), &["line 13", "u_rad"]),
+        ("backwards.csv", cell(50, 0, "0.10"), &["line 52", "t_s"]),
+        ("short_row.csv", table(200, |k, cells| cells.truncate(if k == 3 { 2 } else { 3 })), &["line 5"]),
+        ("no_input.csv", table(200, |_, _| ()).replace("u_rad", "stick"), &["u_rad"]),
+        ("short.csv", table(4, |_, _| ()), &["4 samples"]),
+        ("empty.csv", String::new(), &[]),
+    ];
+    for (name, content, parts) in cases {
+        bench.write(name, &content);
+        for subcommand in ["diagnose", "identify"] {
+            let message = bench.refused(&[subcommand, name]);
+            assert_names(&message, &[name, "help"]);
+            assert_names(&message, parts);
+        }
+    }
+}
+
+#[test]
+fn files_that_are_no_recordings_are_refused() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("binary.csv"), [0_u8, 159, 146, 150, 0, 1, 2]).unwrap();
+    bench.write("model.toml", "[plant]\ninertia_kg_m2 = 0.17\ndM_dqq = 1.0\n");
+    bench.write("good.csv", &table(200, |_, _| ()));
+    assert_names(&bench.refused(&["diagnose", "nowhere.csv"]), &["nowhere.csv", "no such file"]);
+    assert_names(&bench.refused(&["diagnose", "."]), &["directory"]);
+    assert_names(&bench.refused(&["identify", "binary.csv"]), &["binary.csv"]);
+    let message = bench.refused(&["diagnose", "good.csv", "--model", "model.toml"]);
+    assert_names(&message, &["model.toml", "line 3", "dM_dqq"]);
+}
+
+#[test]
+fn outputs_that_cannot_be_are_refused_before_the_work() {
+    let bench = Bench::new();
+    let content = table(200, |_, _| ());
+    bench.write("good.csv", &content);
+    assert_names(&bench.refused(&["diagnose", "good.csv", "--json", "good.csv"]), &["overwrite an input"]);
+    assert_names(&bench.refused(&["diagnose", "good.csv", "--report", "no/such/r.html"]), &["no folder"]);
+    assert_names(&bench.refused(&["simulate", "--out", "."]), &["directory"]);
+    assert_names(&bench.refused(&["demo", "--out", "good.csv"]), &["good.csv"]);
+    assert_eq!(bench.read("good.csv"), content, "no input is ever changed");
+}
+
+#[test]
+fn a_simulation_repeats_and_refuses_what_it_does_not_know() {
+    let bench = Bench::new();
+    let fly = |seed: &str, out: &str| {
+        let effect = "servo_lag:T=0.08";
+        bench.answered(&[
+            "simulate",
+            "--seed",
+            seed,
+            "--effect",
+            effect,
+            "--out",
+            out,
+            "--truth",
+            "truth.json",
+        ]);
+        bench.read(out)
+    };
+    let (first, again, other) = (fly("3", "a.csv"), fly("3", "b.csv"), fly("4", "c.csv"));
+    assert_eq!(first, again);
+    assert_ne!(first, other);
+    assert!(!first.contains("servo_lag"), "the recording holds nothing of the truth");
+    assert_eq!(bench.json("truth.json")["effects"][0]["id"], "servo_lag");
+    assert!(bench.answered(&["simulate", "--seed", "3", "--out", "-"]).contains("t_s,u_rad"));
+    let message = bench.refused(&["simulate", "--effect", "poltergeist", "--out", "d.csv"]);
+    assert_names(&message, &["poltergeist", "coulomb_friction", "servo_lag"]);
+    assert_names(
+        &bench.refused(&["simulate", "--effect", "servo_lag:tau=1", "--out", "d.csv"]),
+        &["tau", "T"],
+    );
+    assert!(!bench.path("d.csv").exists());
+}
+
+#[test]
+fn a_diagnosis_answers_in_every_form() {
+    let bench = Bench::new().with_friction();
+    let files = ["--json", "a.json", "--report", "a.html", "--out-model", "a.toml"];
+    let printed = bench.answered(&[&["diagnose", "flight.csv"], &files[..]].concat());
+    assert_names(&printed, &["VAF", "IV (held out)", "dM_dq", "N m", "95 %", "coulomb_friction", "a.html"]);
+
+    let answer = bench.json("a.json");
+    let keys = ["schema", "verdict", "summary", "effects", "location", "fit", "next_experiment", "notes"];
+    for key in keys {
+        assert!(answer.get(key).is_some(), "{key}");
+    }
+    assert_eq!(answer["schema"], "pitchid.diagnosis/1");
+    let effect = &answer["effects"][0];
+    assert_eq!(effect["id"], "coulomb_friction");
+    for key in ["locus", "equation", "parameters", "probability", "alternatives", "evidence"] {
+        assert!(effect.get(key).is_some(), "{key}");
+    }
+    let parameter = &effect["parameters"][0];
+    let [low, high] = [0, 1].map(|end| parameter["ci95"][end].as_f64().unwrap());
+    assert!(low < high && parameter["unit"] == "N m", "{parameter}");
+    assert!(answer["fit"]["held_out"].as_array().unwrap().contains(&"IV".into()));
+
+    let page = bench.read("a.html");
+    for external in ["http:", "https:", "src=", "href=", "@import", "url("] {
+        assert!(!page.contains(external), "{external}");
+    }
+    assert!(page.contains("<svg") && page.contains("coulomb_friction") && page.len() < 1_000_000);
+
+    bench.answered(&["simulate", "--model", "a.toml", "--out", "again.csv"]);
+    assert!(bench.read("again.csv").contains("t_s,u_rad"));
+}
+
+#[test]
+fn json_on_standard_output_is_nothing_but_json_and_the_same_on_any_number_of_threads() {
+    let bench = Bench::new().with_friction();
+    let with_threads = |n: &str| {
+        let mut command = bench.command(&["diagnose", "flight.csv", "--json", "-"]);
+        let output = command.env("RAYON_NUM_THREADS", n).output().unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let one = with_threads("1");
+    let answer: Value = serde_json::from_str(&one).unwrap();
+    assert_eq!(answer["schema"], "pitchid.diagnosis/1");
+    assert_eq!(one, with_threads("4"));
+}
+
+#[test]
+fn an_identification_compares_methods() {
+    let bench = Bench::new().with_friction();
+    let printed = bench.answered(&["identify", "flight.csv", "--out-model", "m.toml", "--json", "i.json"]);
+    assert_names(&printed, &["unused PRBS", "closed loop", "grey-box", "LMS", "dM_du", "95 % interval"]);
+    let found = bench.json("i.json");
+    assert!(found["methods"].as_array().unwrap().len() >= 2);
+    assert!(bench.read("m.toml").contains("dM_dq_N_m_s"));
+    let json: Value =
+        serde_json::from_str(&bench.answered(&["identify", "flight.csv", "--json", "-"])).unwrap();
+    assert_eq!(json, found);
+}
+
+#[test]
+fn the_demonstration_conceals_finds_and_reveals() {
+    let bench = Bench::new();
+    let printed = bench.answered(&["demo"]);
+    assert_names(
+        &printed,
+        &["unused PRBS", "closed loop", "The truth, opened only now", "The diagnosis", "Report:"],
+    );
+    let truth = bench.json("pitchid-demo/truth.json");
+    let concealed = truth["effects"][0]["id"].as_str().unwrap();
+    let (before, after) = printed.split_once("The truth, opened only now").unwrap();
+    assert!(after.contains(concealed), "{after}");
+    assert!(after.contains("inside") || after.contains("outside"), "values are held against intervals");
+    assert!(!bench.read("pitchid-demo/recording.csv").contains(concealed));
+    assert!(before.contains("VAF"));
+    assert!(bench.path("pitchid-demo/report.html").exists());
+    assert!(bench.read("pitchid-demo/demo.svg").starts_with("<svg xmlns="));
+
+    // what the demonstration said is what the command says on its files
+    let [recording, model] = ["recording.csv", "model.toml"].map(|name| format!("pitchid-demo/{name}"));
+    let again = bench.answered(&["diagnose", &recording, "--model", &model, "--json", "-"]);
+    assert_eq!(again, bench.read("pitchid-demo/diagnosis.json"));
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let bench = Bench::new();
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_pitchid"))
+        .args(["simulate", "--out", "-"])
+        .current_dir(bench.0.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+}
+
+/// Recordings of real rigs: whatever they hold, there is an answer. Skipped where the folder is absent.
+#[test]
+fn real_recordings_are_answered() {
+    let recording =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/real/variable_pitch_bed_1.csv");
+    if !recording.exists() {
+        eprintln!("skipped: no recordings of real rigs at {}", recording.display());
+        return;
+    }
+    let bench = Bench::new();
+    let printed =
+        bench.answered(&["diagnose", recording.to_str().unwrap(), "--report", "r.html", "--json", "r.json"]);
+    assert_names(&printed, &["VAF", "IV (held out)"]);
+    assert_eq!(bench.json("r.json")["fit"]["held_out"][0], "IV");
+    assert!(bench.read("r.html").len() < 1_000_000);
+}

@@ -1,0 +1,339 @@
+//! What every method takes: the runs of one or more recordings, each on a uniform grid without a gap.
+
+use crate::error::{Error, ErrorKind};
+use crate::recording::{InputHold, InputUnit, Recording};
+use core::ops::Range;
+
+/// One stretch of uniformly sampled signals without a gap.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Index of the recording it comes from.
+    pub recording: usize,
+    /// Time of the first sample since the start of the recording, s.
+    pub start: f64,
+    /// Sample period, s.
+    pub step: f64,
+    /// Whether the input is held over each step (otherwise it is interpolated linearly).
+    pub held: bool,
+    /// Input, in its unit.
+    pub u: Vec<f64>,
+    /// Measured outputs: pitch rate in rad/s and pitch angle in rad, each if the data set has it.
+    pub rate: Option<Vec<f64>>,
+    /// See `rate`.
+    pub angle: Option<Vec<f64>>,
+    /// Roll rate, yaw rate (rad/s) and roll angle (rad), where both rates were measured; the angle, where it was not
+    /// measured, is the integral of the roll rate.
+    pub roll_and_yaw: Option<Vec<[f64; 3]>>,
+    /// Where the supervisor overrode the excitation.
+    pub supervised: Vec<bool>,
+    /// Sections, and the rows of this run that they cover.
+    pub sections: Vec<(String, Range<usize>)>,
+}
+
+impl Run {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.u.len()
+    }
+    /// Whether the run has no samples.
+    pub fn is_empty(&self) -> bool {
+        self.u.is_empty()
+    }
+    /// Time of row `k` since the start of the recording, s.
+    pub fn time(&self, k: usize) -> f64 {
+        self.start + k as f64 * self.step
+    }
+}
+
+/// Typical sizes of the signals of a data set: what parameters' ranges and starts are scaled with.
+#[derive(Clone, Copy, Debug)]
+pub struct Amplitudes {
+    /// Standard deviation of the input, its unit.
+    pub u: f64,
+    /// Standard deviation of the pitch rate, rad/s.
+    pub q: f64,
+    /// Standard deviation of the pitch angle, rad.
+    pub theta: f64,
+    /// Standard deviation of the control moment ∂M/∂u·u, N m.
+    pub moment: f64,
+    /// Sample period, s.
+    pub step: f64,
+    /// End of the last sample since the start of its recording, s.
+    pub duration: f64,
+}
+
+/// The runs of one vehicle's recordings.
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    /// All runs, recording by recording.
+    pub runs: Vec<Run>,
+    /// Unit of the input.
+    pub input_unit: InputUnit,
+    /// Whether the pitch rate was measured.
+    pub has_rate: bool,
+    /// Whether the pitch angle was measured.
+    pub has_angle: bool,
+    /// Number of logged samples that were averaged into one.
+    pub thinned: usize,
+}
+
+/// Longest sample period after thinning, s.
+const THINNED_STEP: f64 = 0.02;
+/// Samples kept within the time over which the rate's autocorrelation falls to 0.8.
+const SAMPLES_PER_DECORRELATION: usize = 3;
+
+/// Samples until the autocorrelation of the rate falls below 0.8.
+pub fn decorrelation(rates: &[Vec<f64>]) -> usize {
+    let at = |lag: usize| -> f64 {
+        rates.iter().map(|r| r.iter().zip(r.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>()).sum()
+    };
+    let power = at(0);
+    let longest = rates.iter().map(Vec::len).max().unwrap_or(1);
+    (1..longest.min(1000)).find(|&lag| at(lag) < 0.8 * power).unwrap_or(1)
+}
+
+/// A section: where it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Label; with several recordings "2:IV" is section IV of the second.
+    pub label: String,
+    /// Index of the run.
+    pub run: usize,
+    /// Rows of that run.
+    pub rows: Range<usize>,
+}
+
+impl Dataset {
+    /// Puts the recordings of one vehicle together. All must have the same input unit; a channel is used when all
+    /// recordings have it.
+    pub fn new(recordings: &[Recording]) -> Result<Self, Error> {
+        let Some(first) = recordings.first() else {
+            return Err(Error::new(
+                ErrorKind::Options,
+                "no recording was given",
+                "name one or more CSV files",
+            ));
+        };
+        let has_rate = recordings.iter().all(|r| r.q.is_some());
+        let has_angle = recordings.iter().all(|r| r.theta.is_some());
+        if !has_rate && !has_angle {
+            return Err(Error::new(
+                ErrorKind::Column,
+                "some of the recordings have only q_rad_s, others only theta_rad",
+                "use them apart, or add the column that is missing",
+            ));
+        }
+        if let Some(other) = recordings.iter().find(|r| r.u_unit != first.u_unit) {
+            return Err(Error::new(
+                ErrorKind::Column,
+                format!(
+                    "{} has {}, {} has {}",
+                    first.name,
+                    first.u_unit.column(),
+                    other.name,
+                    other.u_unit.column()
+                ),
+                "convert one of them by a factor, e.g. --column 'u_rad=u_pct*0.0012'",
+            )
+            .expecting("one input unit for all recordings of a vehicle"));
+        }
+        let mut runs = Vec::new();
+        for (index, recording) in recordings.iter().enumerate() {
+            for segment in &recording.segments {
+                let cut = |signal: &[f64]| signal[segment.clone()].to_vec();
+                runs.push(Run {
+                    recording: index,
+                    start: recording.t[segment.start] - recording.t[0],
+                    step: recording.step,
+                    held: recording.input_hold == InputHold::Held,
+                    u: cut(&recording.u),
+                    rate: recording.q.as_deref().filter(|_| has_rate).map(cut),
+                    angle: recording.theta.as_deref().filter(|_| has_angle).map(cut),
+                    roll_and_yaw: roll_and_yaw(recording, segment),
+                    supervised: recording.supervised[segment.clone()].to_vec(),
+                    sections: sections_within(recording, segment, (recordings.len() > 1).then_some(index)),
+                });
+            }
+        }
+        let mut data = Self { runs, input_unit: first.u_unit, has_rate, has_angle, thinned: 1 };
+        data.thin();
+        Ok(data)
+    }
+
+    /// Averages blocks of samples where they are much denser than the motion is fast, down to [`THINNED_STEP`] at the
+    /// most: at a high rate the one-step prediction sees the sensors' filters and clocks instead of the dynamics.
+    /// Averaging is linear and the same for input and outputs, so it leaves a linear model as it is.
+    fn thin(&mut self) {
+        let Some(step) = self.runs.first().map(|run| run.step) else { return };
+        let rates: Vec<Vec<f64>> = self.runs.iter().map(Run::rate_or_slope).collect();
+        let most = (THINNED_STEP / step + 1e-6) as usize;
+        let factor = (decorrelation(&rates) / SAMPLES_PER_DECORRELATION).min(most);
+        if factor >= 2 {
+            self.runs =
+                self.runs.iter().map(|run| run.averaged(factor)).filter(|run| run.len() > 1).collect();
+            self.thinned = factor;
+        }
+    }
+
+    /// What was noticed about the recordings, and what was done to them here.
+    pub fn notes(&self, recordings: &[Recording]) -> Vec<String> {
+        let mut notes: Vec<String> =
+            recordings.iter().flat_map(|r| r.notes.iter().map(|note| note.text.clone())).collect();
+        if self.thinned > 1 {
+            let rate = 1.0 / self.runs.first().map_or(1.0, |run| run.step);
+            notes.push(format!(
+                "{} samples were averaged into one: the motion is slow against the sampling, and is looked at at {rate:.0} Hz",
+                self.thinned
+            ));
+        }
+        notes
+    }
+
+    /// Number of samples of all runs.
+    pub fn samples(&self) -> usize {
+        self.runs.iter().map(Run::len).sum()
+    }
+
+    /// All sections, in the order of time; a section that a gap cuts is several places with the same label.
+    pub fn places(&self) -> Vec<Place> {
+        self.runs
+            .iter()
+            .enumerate()
+            .flat_map(|(run, r)| {
+                r.sections.iter().map(move |(label, rows)| Place {
+                    label: label.clone(),
+                    run,
+                    rows: rows.clone(),
+                })
+            })
+            .collect()
+    }
+
+    /// Typical sizes of the signals, the control moment taken with `dm_du` N m per unit of the input.
+    pub fn amplitudes(&self, dm_du: f64) -> Amplitudes {
+        let u = deviation(self.runs.iter().map(|r| r.u.as_slice()));
+        let step = self.runs.first().map_or(0.02, |r| r.step);
+        let rate: Vec<Vec<f64>> = self.runs.iter().map(Run::rate_or_slope).collect();
+        let angle: Vec<Vec<f64>> = self.runs.iter().map(Run::angle_or_sum).collect();
+        let q = deviation(rate.iter().map(Vec::as_slice));
+        let theta = deviation(angle.iter().map(Vec::as_slice));
+        let duration = self.runs.iter().map(|run| run.time(run.len())).fold(step, f64::max);
+        Amplitudes { u, q, theta, moment: (dm_du * u).abs().max(f64::MIN_POSITIVE), step, duration }
+    }
+}
+
+impl Run {
+    /// The run with blocks of `factor` samples averaged; outputs by the trapezoidal rule, so that they and the held input
+    /// are averaged over the same time. The averaged input changes in ramps: it is interpolated.
+    fn averaged(&self, factor: usize) -> Self {
+        let blocks = self.len().saturating_sub(1) / factor;
+        let held = |x: &[f64]| -> Vec<f64> {
+            (0..blocks).map(|b| x[b * factor..(b + 1) * factor].iter().sum::<f64>() / factor as f64).collect()
+        };
+        let sampled = |x: &[f64]| -> Vec<f64> {
+            let half_ends = |b: usize| 0.5 * (x[(b + 1) * factor] - x[b * factor]);
+            held(x).iter().enumerate().map(|(b, mean)| mean + half_ends(b) / factor as f64).collect()
+        };
+        let rows = |r: &Range<usize>| r.start.div_ceil(factor)..(r.end / factor).min(blocks);
+        Self {
+            recording: self.recording,
+            start: self.start + 0.5 * factor as f64 * self.step,
+            step: factor as f64 * self.step,
+            held: false,
+            u: if self.held { held(&self.u) } else { sampled(&self.u) },
+            rate: self.rate.as_deref().map(sampled),
+            angle: self.angle.as_deref().map(sampled),
+            roll_and_yaw: self
+                .roll_and_yaw
+                .as_ref()
+                .map(|rows| (0..blocks).map(|b| rows[b * factor + factor / 2]).collect()),
+            supervised: (0..blocks)
+                .map(|b| self.supervised[b * factor..(b + 1) * factor].contains(&true))
+                .collect(),
+            sections: self
+                .sections
+                .iter()
+                .map(|(label, r)| (label.clone(), rows(r)))
+                .filter(|(_, r)| r.start < r.end)
+                .collect(),
+        }
+    }
+
+    /// The measured rate; where there is none, central differences of the angle.
+    pub fn rate_or_slope(&self) -> Vec<f64> {
+        match (&self.rate, &self.angle) {
+            (Some(rate), _) => rate.clone(),
+            (None, Some(angle)) => {
+                let last = angle.len() - 1;
+                (0..=last)
+                    .map(|k| {
+                        let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
+                        (angle[b] - angle[a]) / ((b - a).max(1) as f64 * self.step)
+                    })
+                    .collect()
+            }
+            (None, None) => vec![0.0; self.len()],
+        }
+    }
+
+    /// The measured angle; where there is none, the sum of the rate less its mean.
+    pub fn angle_or_sum(&self) -> Vec<f64> {
+        if let Some(angle) = &self.angle {
+            return angle.clone();
+        }
+        let rate = self.rate_or_slope();
+        let mean = rate.iter().sum::<f64>() / rate.len() as f64;
+        rate.iter()
+            .scan(0.0, |sum, q| {
+                *sum += (q - mean) * self.step;
+                Some(*sum)
+            })
+            .collect()
+    }
+}
+
+/// Standard deviation over all pieces, each about its own mean; a tiny positive number for a signal that never moves.
+fn deviation<'a>(pieces: impl Iterator<Item = &'a [f64]>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0usize);
+    for piece in pieces {
+        let mean = piece.iter().sum::<f64>() / piece.len().max(1) as f64;
+        sum += piece.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
+        count += piece.len();
+    }
+    (sum / count.max(1) as f64).sqrt().max(1e-12)
+}
+
+fn roll_and_yaw(recording: &Recording, segment: &Range<usize>) -> Option<Vec<[f64; 3]>> {
+    let (p, r) = (recording.p.as_deref()?, recording.r.as_deref()?);
+    let mut roll = 0.0;
+    Some(
+        segment
+            .clone()
+            .map(|k| {
+                let phi = recording.phi.as_ref().map_or(roll, |phi| phi[k]);
+                roll += p[k] * recording.step;
+                [p[k], r[k], phi]
+            })
+            .collect(),
+    )
+}
+
+fn sections_within(
+    recording: &Recording,
+    segment: &Range<usize>,
+    index: Option<usize>,
+) -> Vec<(String, Range<usize>)> {
+    recording
+        .sections
+        .iter()
+        .filter_map(|section| {
+            let begin = section.rows.start.max(segment.start);
+            let end = section.rows.end.min(segment.end);
+            let label = match index {
+                Some(index) => format!("{}:{}", index + 1, section.label),
+                None => section.label.clone(),
+            };
+            (begin < end).then(|| (label, begin - segment.start..end - segment.start))
+        })
+        .collect()
+}

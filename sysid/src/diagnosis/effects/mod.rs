@@ -1,0 +1,190 @@
+//! The catalogue: physics that a pitch model may leave out, one file each.
+//!
+//! An effect is a set of hooks into the simulation of [`PitchModel`](crate::model::pitch::PitchModel). Every hook
+//! has a neutral default, so that an effect says only what it changes. Symbols as in the crate's documentation:
+//! u_c is the command after the delay, u_a what the blades do, M the pitch moment.
+
+mod clock_skew;
+mod coulomb_friction;
+mod cubic_stiffness;
+mod effectiveness_fade;
+mod end_stop;
+mod extra_delay;
+mod gravity_stiffness;
+mod gyro_bias;
+mod gyro_lag;
+mod gyro_saturation;
+mod gyro_scale;
+mod gyroscopic_coupling;
+mod imu_mount;
+mod inertia_step;
+mod inflow_lag;
+mod linkage_backlash;
+mod quadratic_drag;
+mod servo_deadband;
+mod servo_lag;
+mod servo_rate_limit;
+mod servo_saturation;
+mod structural_mode;
+mod thrust_curve;
+mod trim_offset;
+
+use super::baseline::Baseline;
+pub use crate::dataset::Amplitudes;
+use crate::dataset::Dataset;
+use crate::model::grey_box::Plant;
+use crate::model::pitch::Output;
+
+/// Where in the loop an effect sits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Locus {
+    /// Between the command and the moment of the rotors.
+    Actuator,
+    /// A moment on the airframe, or its inertia.
+    PitchMoment,
+    /// Between the motion and the logged measurement.
+    Sensor,
+    /// Time stamps and transport delays.
+    Timing,
+    /// A moment that the input does not cause.
+    Environment,
+}
+
+/// How a parameter is searched: on its own scale, or on the logarithm of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// Linear, with the step that counts as "one unit".
+    Linear(f64),
+    /// Logarithmic: positive parameters that range over decades.
+    Log,
+}
+
+/// A parameter of an effect, within its physical bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name, as in the JSON answer and in model files.
+    pub name: &'static str,
+    /// Unit of the vehicle's own recordings (rad, N m, s).
+    pub unit: &'static str,
+    /// Lowest value physics allows.
+    pub lower: f64,
+    /// Highest value worth searching.
+    pub upper: f64,
+    /// How it is searched.
+    pub scale: Scale,
+}
+
+/// What an effect may depend on besides the state: the conditions of one simulation step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Conditions {
+    /// Time since the start of the recording, s.
+    pub t: f64,
+    /// Length of the step, s.
+    pub dt: f64,
+    /// Roll rate p, rad/s; zero where it was not measured.
+    pub roll_rate: f64,
+    /// Yaw rate r, rad/s.
+    pub yaw_rate: f64,
+    /// Roll angle φ, rad.
+    pub roll: f64,
+    /// A pitch rate that counts as rest, rad/s: where a sign change is smoothed.
+    pub small_rate: f64,
+}
+
+/// What an effect is called, and how it is told to a person.
+#[derive(Clone, Copy, Debug)]
+pub struct About {
+    /// Name in the JSON answer and in model files.
+    pub id: &'static str,
+    /// Where it sits.
+    pub locus: Locus,
+    /// What it is, as the end of the sentence "what is missing is that ...".
+    pub sentence: &'static str,
+    /// The term it adds, in our symbols.
+    pub equation: &'static str,
+    /// The variable that the residual depends on most when the effect is left out.
+    pub variable: &'static str,
+    /// When it shows, in words.
+    pub condition: &'static str,
+}
+
+/// One piece of physics that the baseline leaves out.
+pub trait Effect: Sync {
+    /// What it is called and how it is told.
+    fn about(&self) -> About;
+    /// Its parameters with bounds that suit the signals at hand.
+    fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter>;
+    /// Where the search for the parameters starts, one or more vectors.
+    fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>>;
+    /// Whether it can be asked for at all with this baseline and these signals.
+    fn applies(&self, _baseline: &Baseline, _data: &Dataset) -> bool {
+        true
+    }
+    /// Number of states of its own (0, 1 or 2).
+    fn states(&self) -> usize {
+        0
+    }
+    /// Changes parameters of the plant.
+    fn plant(&self, _p: &[f64], _plant: &mut Plant) {}
+    /// Delay of the input beyond the plant's, s.
+    fn delay(&self, _p: &[f64], _at: &Conditions) -> f64 {
+        0.0
+    }
+    /// u_c → u_a, the mean over one step, with its own states `s`.
+    fn actuate(&self, _p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
+        u
+    }
+    /// Moment added to the airframe, N m, at pitch rate `q` and angle `theta`.
+    fn moment(&self, _p: &[f64], _q: f64, _theta: f64, _at: &Conditions) -> f64 {
+        0.0
+    }
+    /// Factor on the pitch inertia.
+    fn inertia(&self, _p: &[f64], _at: &Conditions) -> f64 {
+        1.0
+    }
+    /// Rate added to θ̇, rad/s, at pitch rate `q`.
+    fn angle_rate(&self, _p: &[f64], _q: f64, _at: &Conditions) -> f64 {
+        0.0
+    }
+    /// Moves the states of a sensor (or of what shakes it) over one step, with the pitch rate `q` at the IMU in rad/s
+    /// and the acceleration `control` that the control moment gives the airframe in rad/s².
+    fn sense(&self, _p: &[f64], _s: &mut [f64], _q: f64, _control: f64, _at: &Conditions) {}
+    /// What the log shows of the rate and angle `y` at the IMU.
+    fn measure(&self, _p: &[f64], _s: &[f64], y: Output) -> Output {
+        y
+    }
+}
+
+/// All effects that a diagnosis tries, in the order of the catalogue.
+pub const CATALOGUE: &[&dyn Effect] = &[
+    &servo_lag::ServoLag,
+    &servo_rate_limit::ServoRateLimit,
+    &servo_saturation::ServoSaturation,
+    &linkage_backlash::LinkageBacklash,
+    &servo_deadband::ServoDeadband,
+    &trim_offset::TrimOffset,
+    &thrust_curve::ThrustCurve,
+    &inflow_lag::InflowLag,
+    &effectiveness_fade::EffectivenessFade,
+    &coulomb_friction::CoulombFriction,
+    &quadratic_drag::QuadraticDrag,
+    &gravity_stiffness::GravityStiffness,
+    &cubic_stiffness::CubicStiffness,
+    &end_stop::EndStop,
+    &structural_mode::StructuralMode,
+    &gyroscopic_coupling::GyroscopicCoupling,
+    &inertia_step::InertiaStep,
+    &extra_delay::ExtraDelay,
+    &clock_skew::ClockSkew,
+    &gyro_bias::GyroBias,
+    &gyro_scale::GyroScale,
+    &gyro_lag::GyroLag,
+    &gyro_saturation::GyroSaturation,
+    &imu_mount::ImuMount,
+];
+
+/// The effect with this id.
+pub fn find(id: &str) -> Option<&'static dyn Effect> {
+    CATALOGUE.iter().copied().find(|effect| effect.about().id == id)
+}

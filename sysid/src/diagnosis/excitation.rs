@@ -1,0 +1,55 @@
+//! Whether the data can answer at all: long enough, moved by the input, above the noise.
+
+use super::free_run::judged;
+use super::held_out::Split;
+use super::judge::estimates;
+use super::problem::Problem;
+use super::search::Fit;
+use crate::identify::fir::ceiling_vaf;
+
+/// Shortest time that a diagnosis can be made on, s: a handful of switches of the slowest campaign.
+const SHORTEST_S: f64 = 4.0;
+/// Widest 95 % interval of ∂M/∂u, relative to its value, half width.
+const WIDEST_GAIN_INTERVAL: f64 = 0.5;
+/// Share of the output, per cent, that an FIR model must explain for the input to count as seen.
+const EXPLAINED_BY_ANY: f64 = 40.0;
+/// Memory of that model, s.
+const FIR_MEMORY_S: f64 = 1.0;
+
+/// Why the data are too little before anything is fitted: too short, or an input that never moves.
+pub fn too_little(problem: &Problem<'_>, split: &Split) -> Option<String> {
+    let seconds: f64 =
+        split.training.iter().map(|p| p.rows.len() as f64 * problem.data.runs[p.run].step).sum();
+    if seconds < SHORTEST_S {
+        return Some(format!(
+            "The data cannot tell: {seconds:.1} s of excitation are too short, at least {SHORTEST_S} s are needed (a hundred are good)."
+        ));
+    }
+    let moves = problem.data.runs.iter().any(|run| run.u.iter().any(|u| *u != run.u[0]));
+    (!moves).then(|| "The data cannot tell: the input never changes.".into())
+}
+
+/// Why the data are too weak: the input's effect is not known well enough to ask what is missing from it, and an
+/// unstructured model makes no more of the input either.
+pub fn too_weak(problem: &Problem<'_>, split: &Split, baseline: &Fit) -> Option<String> {
+    let all = estimates(problem, baseline);
+    let gain = all.iter().find(|e| e.name == "dM_du")?;
+    let half = 0.5 * (gain.ci95[1] - gain.ci95[0]);
+    let relative = half / gain.value.abs();
+    if relative <= WIDEST_GAIN_INTERVAL {
+        return None;
+    }
+    let reached = split.training.iter().filter_map(|place| {
+        let run = &problem.data.runs[place.run];
+        let taps = ((FIR_MEMORY_S / run.step) as usize).min(place.rows.len() / 10).clamp(1, 60);
+        ceiling_vaf(&run.u[place.rows.clone()], judged(problem, place), taps).ok()
+    });
+    if reached.fold(0.0, f64::max) > EXPLAINED_BY_ANY {
+        return None;
+    }
+    Some(format!(
+        "The data cannot tell: the excitation is too weak against the noise, dM/du is known only to ±{:.0} %. \
+         Use a larger amplitude or a longer test.",
+        100.0 * relative
+    ))
+}

@@ -1,0 +1,126 @@
+//! The next experiment: the excitation that would best tell two candidates apart.
+//!
+//! Candidate A's model flies each excitation without noise; candidate B's predictor, its plant fitted again, looks on.
+//! What its innovations keep, weighed with the innovations' covariance, is the expected likelihood ratio.
+
+use super::answer::NextExperiment;
+use super::locate::weights;
+use super::problem::Problem;
+use super::search::Fit;
+use crate::dataset::Run;
+use nalgebra::{DMatrix, DVector};
+use rand::RngExt;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+
+/// Dwell ranges of the paper's four campaigns, s.
+const DWELLS: [[f64; 2]; 4] = [[0.05, 0.1], [0.1, 0.2], [0.2, 0.4], [0.4, 0.8]];
+/// Amplitudes tried, relative to the amplitude of the recording at hand.
+const AMPLITUDES: [f64; 3] = [0.8, 1.0, 1.25];
+/// Length of an excitation, s.
+const DURATION_S: f64 = 25.0;
+const SEED: u64 = 20_140_901;
+
+/// The excitation with the largest expected likelihood ratio between the two fits.
+pub fn best(problem: &Problem<'_>, a: &Fit, b: &Fit) -> Option<NextExperiment> {
+    let scale = problem.sizes.u;
+    let mut best: Option<(f64, [f64; 2], f64)> = None;
+    for dwell in DWELLS {
+        for relative in AMPLITUDES {
+            let amplitude = relative * scale;
+            let u = prbs(dwell, amplitude, problem.sizes.step);
+            if let Some(ratio) = expected_ratio(problem, a, b, u)
+                && best.is_none_or(|(most, ..)| ratio > most)
+            {
+                best = Some((ratio, dwell, amplitude));
+            }
+        }
+    }
+    let (ratio, dwell, amplitude) = best?;
+    let amplitude = (amplitude * 1e4).round() / 1e4;
+    let ids = [a, b].map(|fit| fit.effects.last().map_or("baseline", |e| e.about().id).to_owned());
+    let unit = problem.data.input_unit.symbol();
+    let why = format!(
+        "one PRBS of {DURATION_S:.0} s with ±{amplitude} {unit} is expected to change 2 ln(likelihood ratio) of {} against {} by {ratio:.0}",
+        ids[0], ids[1],
+    );
+    Some(NextExperiment { switching_s: dwell, amplitude_rad: amplitude, separates: ids, why })
+}
+
+fn prbs(dwell: [f64; 2], amplitude: f64, step: f64) -> Vec<f64> {
+    let mut random = Pcg64::seed_from_u64(SEED);
+    let mut level = amplitude;
+    let mut next = random.random_range(dwell[0]..dwell[1]);
+    (0..(DURATION_S / step) as usize)
+        .map(|k| {
+            if k as f64 * step >= next {
+                level = -level;
+                next += random.random_range(dwell[0]..dwell[1]);
+            }
+            level
+        })
+        .collect()
+}
+
+fn expected_ratio(problem: &Problem<'_>, a: &Fit, b: &Fit, u: Vec<f64>) -> Option<f64> {
+    let mut run = Run {
+        recording: 0,
+        start: 0.0,
+        step: problem.sizes.step,
+        held: true,
+        rate: problem.data.has_rate.then(Vec::new),
+        angle: problem.data.has_angle.then(Vec::new),
+        roll_and_yaw: None,
+        supervised: vec![false; u.len()],
+        sections: Vec::new(),
+        u,
+    };
+    let truth = problem.unpack(&a.effects, &a.minimum.values);
+    let model = problem.model(&truth, run.step)?;
+    let outputs = model.simulate(&run, 0..run.len(), model.start(&run))?;
+    if let Some(rate) = &mut run.rate {
+        rate.extend(outputs.iter().map(|y| y[0]));
+    }
+    if let Some(angle) = &mut run.angle {
+        angle.extend(outputs.iter().map(|y| y[1]));
+    }
+    let (weight, _) = weights(&a.minimum.residuals);
+    let root = weight.symmetric_eigen();
+    let root = root.eigenvectors
+        * nalgebra::Matrix2::from_diagonal(&root.eigenvalues.map(|x| x.max(0.0).sqrt()))
+        * root.eigenvectors.transpose();
+    let whitened = |values: &[f64]| -> Option<DVector<f64>> {
+        let unpacked = problem.unpack(&b.effects, values);
+        let model = problem.model(&unpacked, run.step)?;
+        let gain = model.gain(&unpacked.disturbance, &run)?;
+        let e = model.innovations(&run, &gain, |_, _| {})?;
+        let packed = e.iter().map(|e| if problem.data.has_rate { *e } else { [e[1], 0.0] });
+        Some(DVector::from_iterator(
+            2 * e.len(),
+            packed.flat_map(|e| {
+                let w = root * nalgebra::Vector2::new(e[0], e[1]);
+                [w[0], w[1]]
+            }),
+        ))
+    };
+    let at = whitened(&b.minimum.values)?;
+    // What B can make good by other values of the plant and of its own parameters does not separate.
+    let first_own = problem.plant_unknowns() + problem.noise_unknowns();
+    let movable: Vec<usize> =
+        (0..problem.plant_unknowns()).chain(first_own..b.minimum.values.len()).collect();
+    let mut columns = Vec::new();
+    for i in movable {
+        let mut moved = b.minimum.values.clone();
+        let h = 1e-4 * moved[i].abs().max(1e-6);
+        moved[i] += h;
+        columns.push((whitened(&moved)? - &at) / h);
+    }
+    let sensitivities = DMatrix::from_columns(&columns);
+    let mut normal = sensitivities.tr_mul(&sensitivities);
+    for i in 0..normal.nrows() {
+        normal[(i, i)] = normal[(i, i)] * (1.0 + 1e-9) + f64::MIN_POSITIVE;
+    }
+    let solution = normal.cholesky()?.solve(&sensitivities.tr_mul(&at));
+    let ratio = (at - sensitivities * solution).norm_squared();
+    ratio.is_finite().then_some(ratio)
+}

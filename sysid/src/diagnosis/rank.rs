@@ -1,0 +1,183 @@
+//! Which effects the data ask for: forward selection by likelihood, pruned backward, with the rivals of each.
+
+use super::effects::{CATALOGUE, Effect};
+use super::problem::Problem;
+use super::search::{Fit, fit_baseline, fit_one_more, refit};
+use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// An effect is added when it lowers the BIC by more than this. Calibrated on simulated recordings without any
+/// effect, at all levels of disturbance.
+pub const DETECTION: f64 = 20.0;
+/// An effect stays when taking it out raises the BIC by more than this.
+const RETENTION: f64 = 10.0;
+/// Candidates from whose values the baseline is fitted again.
+const BASELINE_STARTS: usize = 3;
+/// Most effects that one diagnosis adds.
+const MOST_EFFECTS: usize = 3;
+/// Rivals at least this probable are told.
+pub const PLAUSIBLE: f64 = 0.05;
+
+/// One effect that was added, with what speaks for it.
+#[derive(Clone)]
+pub struct Finding {
+    /// The effect.
+    pub effect: &'static dyn Effect,
+    /// Posterior probability among all candidates in its place, the other effects given.
+    pub probability: f64,
+    /// Candidates that the data cannot rule out, with their probabilities.
+    pub rivals: Vec<(&'static dyn Effect, f64)>,
+    /// Fits with each of the rivals in its place.
+    pub rival_fits: Vec<Fit>,
+    /// BIC without the effect less BIC with it.
+    pub delta_bic: f64,
+    /// Odds of so large a gain in likelihood by chance (likelihood ratio, χ²).
+    pub p_value: f64,
+}
+
+/// The outcome of the selection.
+pub struct Selection {
+    /// The baseline, its parameters estimated again.
+    pub baseline: Fit,
+    /// The baseline with all findings.
+    pub extended: Fit,
+    /// The findings, largest contribution first.
+    pub findings: Vec<Finding>,
+}
+
+/// Selects effects. `None` where not even the baseline has a finite likelihood.
+pub fn select(problem: &Problem<'_>, progress: &(dyn Fn(&str) + Sync)) -> Option<Selection> {
+    progress("fitting the baseline");
+    let mut baseline = fit_baseline(problem)?;
+    let mut current = baseline.clone();
+    let mut first_round = Vec::new();
+    for round in 0..MOST_EFFECTS {
+        progress(&format!("trying the catalogue's effects on top of {}", told(&current)));
+        let (improved, fits) = one_more(problem, &current);
+        current = improved;
+        if round == 0 {
+            baseline = current.clone();
+            first_round.clone_from(&fits);
+        }
+        let Some(best) =
+            fits.into_iter().next().filter(|fit| current.bic(problem) - fit.bic(problem) > DETECTION)
+        else {
+            break;
+        };
+        current = best;
+    }
+    progress("checking which effects are needed");
+    let mut extended = prune(problem, current);
+    loop {
+        match findings(problem, &baseline, &extended, &first_round) {
+            Examined::Needed(findings) => return Some(Selection { baseline, extended, findings }),
+            Examined::Needless(rest) => extended = *rest,
+        }
+    }
+}
+
+/// What a closer look at each effect says: all are needed, or a fit without one of them is as good.
+enum Examined {
+    Needed(Vec<Finding>),
+    Needless(Box<Fit>),
+}
+
+fn told(fit: &Fit) -> String {
+    if fit.effects.is_empty() { "the baseline".into() } else { fit.ids().join(" + ") }
+}
+
+/// `before` with each effect of the catalogue that it lacks, best first; and `before` itself, fitted again from where
+/// the candidates ended: a baseline that has not settled makes every candidate look good.
+fn one_more(problem: &Problem<'_>, before: &Fit) -> (Fit, Vec<Fit>) {
+    let missing: Vec<&'static dyn Effect> = CATALOGUE
+        .iter()
+        .copied()
+        .filter(|candidate| candidate.applies(problem.baseline, problem.data))
+        .filter(|candidate| before.effects.iter().all(|e| e.about().id != candidate.about().id))
+        .collect();
+    let fits = fit_one_more(problem, before, &missing);
+    let length = before.minimum.values.len();
+    let again: Vec<Fit> = fits
+        .par_iter()
+        .take(BASELINE_STARTS)
+        .filter_map(|fit| refit(problem, &before.effects, &fit.minimum.values[..length]))
+        .collect();
+    let mut best = before.clone();
+    for fit in again {
+        if fit.criterion() < best.criterion() {
+            best = fit;
+        }
+    }
+    (best, fits)
+}
+
+/// Takes out, one after the other, effects that the others have made needless.
+fn prune(problem: &Problem<'_>, mut fit: Fit) -> Fit {
+    while fit.effects.len() > 1 {
+        let weakest = (0..fit.effects.len())
+            .filter_map(|i| without(problem, &fit, i))
+            .min_by(|a, b| a.bic(problem).total_cmp(&b.bic(problem)));
+        match weakest {
+            Some(less) if less.bic(problem) - fit.bic(problem) < RETENTION => fit = less,
+            _ => break,
+        }
+    }
+    fit
+}
+
+/// `fit` without its `i`-th effect, fitted again.
+pub fn without(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<Fit> {
+    let mut effects = fit.effects.clone();
+    let mut values = fit.minimum.values.clone();
+    let mut first = problem.plant_unknowns() + problem.noise_unknowns();
+    first += effects[..i].iter().map(|e| e.parameters(&problem.sizes).len()).sum::<usize>();
+    values.drain(first..first + effects[i].parameters(&problem.sizes).len());
+    effects.remove(i);
+    refit(problem, &effects, &values)
+}
+
+fn findings(problem: &Problem<'_>, baseline: &Fit, extended: &Fit, first_round: &[Fit]) -> Examined {
+    let mut findings = Vec::new();
+    for (i, &effect) in extended.effects.iter().enumerate() {
+        let alone = extended.effects.len() == 1;
+        let (rest, rivals) = match without(problem, extended, i) {
+            _ if alone => (baseline.clone(), first_round.to_vec()),
+            Some(less) => one_more(problem, &less),
+            // The others alone leave no finite likelihood: this one is judged against the baseline.
+            None => (baseline.clone(), Vec::new()),
+        };
+        let finding = finding(problem, effect, extended, &rest, rivals);
+        if finding.delta_bic < RETENTION {
+            return Examined::Needless(Box::new(rest));
+        }
+        findings.push(finding);
+    }
+    findings.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+    Examined::Needed(findings)
+}
+
+fn finding(
+    problem: &Problem<'_>,
+    effect: &'static dyn Effect,
+    extended: &Fit,
+    rest: &Fit,
+    mut candidates: Vec<Fit>,
+) -> Finding {
+    let is_it = |fit: &Fit| fit.effects.last().is_some_and(|e| e.about().id == effect.about().id);
+    candidates.retain(|fit| !is_it(fit) && fit.effects.len() == extended.effects.len());
+    let best = extended.bic(problem);
+    let weight = |fit: &Fit| (-0.5 * (fit.bic(problem) - best)).exp();
+    let total = 1.0 + weight(rest) + candidates.iter().map(weight).sum::<f64>();
+    let mut rivals: Vec<(f64, Fit)> = candidates.into_iter().map(|fit| (weight(&fit) / total, fit)).collect();
+    rivals.retain(|(probability, _)| *probability >= PLAUSIBLE);
+    let parameters = effect.parameters(&problem.sizes).len() as f64;
+    let gain = (rest.criterion() - extended.criterion()).max(0.0);
+    Finding {
+        effect,
+        probability: 1.0 / total,
+        rivals: rivals.iter().filter_map(|(p, fit)| Some((*fit.effects.last()?, *p))).collect(),
+        rival_fits: rivals.into_iter().map(|(_, fit)| fit).collect(),
+        delta_bic: rest.bic(problem) - best,
+        p_value: ChiSquared::new(parameters).map_or(1.0, |chi| chi.sf(gain)),
+    }
+}

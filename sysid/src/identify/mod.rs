@@ -1,0 +1,15 @@
+//! Methods that turn data into models.
+
+pub mod block_hankel;
+pub mod butterworth;
+pub mod compare;
+pub mod continuous;
+pub mod fir;
+pub mod hinf_match;
+pub mod hinf_norm;
+mod input_fit;
+pub mod kung;
+pub mod levenberg_marquardt;
+pub mod lms;
+mod minimax;
+pub mod pi_moesp;

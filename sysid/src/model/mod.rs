@@ -1,0 +1,7 @@
+//! Models of the pitch dynamics.
+
+pub mod file;
+pub mod grey_box;
+pub mod kalman;
+pub mod pitch;
+pub mod state_space;

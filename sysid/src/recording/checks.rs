@@ -1,0 +1,222 @@
+//! What looks wrong in the data: clipping, units, signs, repeated and constant signals. Nothing is changed here.
+
+use std::ops::Range;
+
+use super::clock::{Grid, counted};
+use super::columns::{InputUnit, Role};
+use super::table::{Signal, Table};
+use super::{Note, NoteKind};
+
+/// Beyond half a turn and a little, a pitch angle in radians is not one (rad).
+const LARGEST_ANGLE: f64 = 3.2;
+/// 1150 °/s: beyond what the gyros of such rigs measure (rad/s).
+const LARGEST_RATE: f64 = 20.0;
+/// A blade pitch of 90° (rad).
+const LARGEST_BLADE_PITCH: f64 = 1.6;
+/// Time over which ∫q dt is compared with Δθ (s): long against noise, short against drift.
+const COMPARED_OVER: f64 = 0.2;
+/// Correlation of ∫q dt with Δθ from which unit and sign are judged.
+const CORRELATED: f64 = 0.7;
+/// Degrees per radian.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// Share of exact repetitions that is worth a word.
+const REPEATED: f64 = 0.02;
+
+/// Adds the notes on the signals of a table that is on its grid.
+pub(super) fn inspect(table: &Table, grid: &Grid, notes: &mut Vec<Note>) {
+    let of = |role: Role| table.signals.iter().find(|s| s.source.role == role);
+    let (q, theta) = (of(Role::Q), of(Role::Theta));
+    if let Some(input) = table.signals.iter().find(|s| s.source.role.is_input()) {
+        check_input(input, notes);
+    }
+    for output in [q, theta].into_iter().flatten() {
+        if is_constant(&output.values) {
+            let text = format!(
+                "{} is constant ({}): the channel is dead or not connected",
+                column(output),
+                output.values[0]
+            );
+            notes.push(Note::new(NoteKind::DeadOutput, text));
+            continue;
+        }
+        check_clipping(table, output, notes);
+        check_repeats(output, grid, notes);
+    }
+    let told = match (q, theta) {
+        (Some(q), Some(theta)) => compare_rate_with_angle(q, theta, grid, notes),
+        _ => false,
+    };
+    if !told {
+        check_size(q, LARGEST_RATE, "rad/s", notes);
+        check_size(theta, LARGEST_ANGLE, "rad", notes);
+    }
+}
+
+fn column(signal: &Signal) -> &str {
+    &signal.source.name
+}
+
+fn is_constant(values: &[f64]) -> bool {
+    values.iter().all(|v| Some(v) == values.first())
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, v| v.abs().max(most))
+}
+
+fn extremes(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
+}
+
+fn check_input(input: &Signal, notes: &mut Vec<Note>) {
+    if is_constant(&input.values) {
+        let text =
+            format!("the input {} never changes ({}): nothing is excited", column(input), input.values[0]);
+        notes.push(Note::new(NoteKind::DeadInput, text));
+    } else if input.source.role == Role::Input(InputUnit::Rad) {
+        check_size(Some(input), LARGEST_BLADE_PITCH, "rad", notes);
+    }
+}
+
+fn check_size(signal: Option<&Signal>, limit: f64, unit: &str, notes: &mut Vec<Note>) {
+    let Some(signal) = signal else { return };
+    let most = largest(&signal.values);
+    if most > limit {
+        let text = format!(
+            "{} reaches {most:.4} {unit}, which looks like degrees; used as it is. If so: {}",
+            column(signal),
+            signal.source.scaled_by(1.0 / DEGREES)
+        );
+        notes.push(Note::new(NoteKind::Unit, text));
+    }
+}
+
+/// A signal clips where it sits at its extreme value in several runs, each longer than its ordinary runs.
+fn check_clipping(table: &Table, signal: &Signal, notes: &mut Vec<Note>) {
+    let values = &signal.values;
+    let ordinary = values.len().div_ceil(values.chunk_by(|a, b| a == b).count().max(1));
+    let shortest = 3 * ordinary;
+    let (low, high) = extremes(values);
+    for extreme in [low, high] {
+        let (mut runs, mut samples, mut start) = (0, 0, 0);
+        let mut span: Option<(usize, usize)> = None;
+        for run in values.chunk_by(|a, b| a == b) {
+            let rows = start..start + run.len();
+            start = rows.end;
+            if run[0] == extreme && run.len() >= shortest {
+                runs += 1;
+                samples += run.len();
+                span = Some((span.map_or(rows.start, |(first, _)| first), rows.end - 1));
+            }
+        }
+        let Some((first, last)) = span else { continue };
+        if runs >= 2 || samples >= 10 * ordinary {
+            let text = format!(
+                "{} stays at its extreme value {extreme} for {samples} samples in {}: it clips, the motion beyond is not in the data",
+                column(signal),
+                counted(runs, "run")
+            );
+            notes.push(Note::over(NoteKind::Clipped, table.t[first], table.t[last], text));
+        }
+    }
+}
+
+/// Exact repetitions that the resolution of the numbers does not explain: a rounded signal shows about twice as many
+/// smallest changes as repetitions.
+fn check_repeats(signal: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
+    let (low, high) = extremes(&signal.values);
+    let steps = grid.segments.iter().flat_map(|rows| signal.values[rows.clone()].windows(2));
+    // A signal at its extreme may clip, which is another finding.
+    let inside = steps.filter(|pair| pair[0] > low && pair[0] < high);
+    let changes: Vec<f64> = inside.map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let repeats = changes.iter().filter(|&&d| d == 0.0).count();
+    let share = repeats as f64 / changes.len().max(1) as f64;
+    let smallest = changes.iter().copied().filter(|&d| d > 0.0).fold(f64::INFINITY, f64::min);
+    let small = changes.iter().filter(|&&d| d > 0.0 && d <= 1.5 * smallest).count();
+    if share < REPEATED || 2 * small > repeats {
+        return;
+    }
+    let text = if share >= 0.5 {
+        let runs = signal.values.chunk_by(|a, b| a == b).count();
+        let every = signal.values.len() as f64 / runs as f64;
+        format!(
+            "{} changes only every {every:.1} samples: it is measured more slowly than it is logged, and up to {:.4} s late",
+            column(signal),
+            grid.step * (every - 1.0)
+        )
+    } else {
+        format!(
+            "{:.1} % of the samples of {} repeat the one before exactly: no new measurement had arrived",
+            100.0 * share,
+            column(signal)
+        )
+    };
+    notes.push(Note::new(NoteKind::Repeated, text));
+}
+
+/// Δθ against ∫q dt over windows of `COMPARED_OVER`: slope 1 is right, 57.3 or 1/57.3 a unit, negative a sign.
+/// Returns whether anything was said of a unit.
+fn compare_rate_with_angle(q: &Signal, theta: &Signal, grid: &Grid, notes: &mut Vec<Note>) -> bool {
+    let Some((slope, correlation)) = angle_over_rate(&q.values, &theta.values, grid) else { return false };
+    if correlation.abs() < CORRELATED {
+        return false;
+    }
+    if correlation < 0.0 {
+        let text = format!(
+            "sign: {} falls while {} is positive (correlation {correlation:.2}): one of the two looks reversed; used as it is. If it is the rate: {}; if the angle: {}",
+            column(theta),
+            column(q),
+            q.source.scaled_by(-1.0),
+            theta.source.scaled_by(-1.0)
+        );
+        notes.push(Note::new(NoteKind::Sign, text));
+    }
+    let near = |factor: f64| (slope.abs() / factor).ln().abs() < 0.3;
+    let (wrong, right) = match (near(DEGREES), near(1.0 / DEGREES)) {
+        (true, _) => (theta, q),
+        (_, true) => (q, theta),
+        _ => return false,
+    };
+    let text = format!(
+        "unit: {} is {:.1} times what {} says, which is degrees where radians belong; used as it is. To convert: {}",
+        column(wrong),
+        slope.abs().max(1.0 / slope.abs()),
+        column(right),
+        wrong.source.scaled_by(1.0 / DEGREES)
+    );
+    notes.push(Note::new(NoteKind::Unit, text));
+    true
+}
+
+/// Slope and correlation of Δθ on ∫q dt, means removed; `None` where either does not move.
+fn angle_over_rate(q: &[f64], theta: &[f64], grid: &Grid) -> Option<(f64, f64)> {
+    let lag = ((COMPARED_OVER / grid.step).round() as usize).clamp(1, 1000);
+    let pairs: Vec<(f64, f64)> =
+        grid.segments.iter().flat_map(|rows| windows(q, theta, rows, lag, grid.step)).collect();
+    let count = pairs.len() as f64;
+    if pairs.len() < 5 {
+        return None;
+    }
+    let (mx, my) = pairs.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for (x, y) in pairs.iter().map(|p| (p.0 - mx, p.1 - my)) {
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+    }
+    let correlation = xy / (xx * yy).sqrt();
+    // Rate noise would flatten the slope of one regression: the geometric slope treats both alike.
+    let slope = (yy / xx).sqrt();
+    (correlation.is_finite() && slope.is_finite() && slope > 0.0).then_some((slope, correlation))
+}
+
+/// (∫q dt, Δθ) over consecutive windows of `lag` steps, by the trapezium rule.
+fn windows(q: &[f64], theta: &[f64], rows: &Range<usize>, lag: usize, step: f64) -> Vec<(f64, f64)> {
+    let starts = (rows.start..rows.end.saturating_sub(lag)).step_by(lag);
+    let window = |k: usize| {
+        let inner: f64 = q[k + 1..k + lag].iter().sum();
+        let area = step * (inner + 0.5 * (q[k] + q[k + lag]));
+        (area, theta[k + lag] - theta[k])
+    };
+    starts.map(window).collect()
+}

@@ -1,0 +1,321 @@
+//! The columns of the format, and which column of a file plays which role.
+
+use super::options::ColumnMap;
+use super::{Note, NoteKind};
+use crate::error::{Error, ErrorKind, quote};
+
+/// Names a file may use, in the order of the format's table.
+pub const KNOWN_COLUMNS: [&str; 19] = [
+    "t_s",
+    "u_rad",
+    "u_pct",
+    "u_V",
+    "u_N_m",
+    "u_N",
+    "u_norm",
+    "q_rad_s",
+    "q_deg_s",
+    "theta_rad",
+    "theta_deg",
+    "qdot_rad_s2",
+    "section",
+    "supervised",
+    "theta_ref_rad",
+    "p_rad_s",
+    "r_rad_s",
+    "phi_rad",
+    "battery_v",
+];
+
+/// The unit of the input; it follows into ∂M/∂u (N m per unit).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputUnit {
+    /// Blade pitch difference, rad.
+    Rad,
+    /// Per cent of the actuator's range.
+    Percent,
+    /// Volt.
+    Volt,
+    /// Moment command, N m.
+    NewtonMetre,
+    /// Force, N.
+    Newton,
+    /// Normalised command, no unit.
+    Normalised,
+}
+
+impl InputUnit {
+    /// The column's name in a recording.
+    #[must_use]
+    pub fn column(self) -> &'static str {
+        match self {
+            Self::Rad => "u_rad",
+            Self::Percent => "u_pct",
+            Self::Volt => "u_V",
+            Self::NewtonMetre => "u_N_m",
+            Self::Newton => "u_N",
+            Self::Normalised => "u_norm",
+        }
+    }
+
+    /// The unit as it is printed; `1` for a normalised command.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Rad => "rad",
+            Self::Percent => "%",
+            Self::Volt => "V",
+            Self::NewtonMetre => "N m",
+            Self::Newton => "N",
+            Self::Normalised => "1",
+        }
+    }
+}
+
+/// What a column means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    Time,
+    Input(InputUnit),
+    Q,
+    Theta,
+    Qdot,
+    P,
+    R,
+    Phi,
+    ThetaRef,
+    Battery,
+    Section,
+    Supervised,
+}
+
+impl Role {
+    /// The role of a name of the format and the factor to SI; `None` for a name of no meaning.
+    pub(super) fn of(name: &str) -> Option<(Self, f64)> {
+        const DEGREE: f64 = std::f64::consts::PI / 180.0;
+        Some(match name {
+            "t_s" => (Self::Time, 1.0),
+            "u_rad" => (Self::Input(InputUnit::Rad), 1.0),
+            "u_pct" => (Self::Input(InputUnit::Percent), 1.0),
+            "u_V" => (Self::Input(InputUnit::Volt), 1.0),
+            "u_N_m" => (Self::Input(InputUnit::NewtonMetre), 1.0),
+            "u_N" => (Self::Input(InputUnit::Newton), 1.0),
+            "u_norm" => (Self::Input(InputUnit::Normalised), 1.0),
+            "q_rad_s" => (Self::Q, 1.0),
+            "q_deg_s" => (Self::Q, DEGREE),
+            "theta_rad" => (Self::Theta, 1.0),
+            "theta_deg" => (Self::Theta, DEGREE),
+            "qdot_rad_s2" => (Self::Qdot, 1.0),
+            "p_rad_s" => (Self::P, 1.0),
+            "r_rad_s" => (Self::R, 1.0),
+            "phi_rad" => (Self::Phi, 1.0),
+            "theta_ref_rad" => (Self::ThetaRef, 1.0),
+            "battery_v" => (Self::Battery, 1.0),
+            "section" => (Self::Section, 1.0),
+            "supervised" => (Self::Supervised, 1.0),
+            _ => return None,
+        })
+    }
+
+    /// The SI name of the column that plays this role.
+    pub(super) fn column(self) -> &'static str {
+        match self {
+            Self::Time => "t_s",
+            Self::Input(unit) => unit.column(),
+            Self::Q => "q_rad_s",
+            Self::Theta => "theta_rad",
+            Self::Qdot => "qdot_rad_s2",
+            Self::P => "p_rad_s",
+            Self::R => "r_rad_s",
+            Self::Phi => "phi_rad",
+            Self::ThetaRef => "theta_ref_rad",
+            Self::Battery => "battery_v",
+            Self::Section => "section",
+            Self::Supervised => "supervised",
+        }
+    }
+
+    /// Two columns with the same slot compete; all inputs share one.
+    fn same_slot(self, other: Self) -> bool {
+        matches!((self, other), (Self::Input(_), Self::Input(_))) || self == other
+    }
+
+    /// Any of the input columns.
+    pub(super) fn is_input(self) -> bool {
+        matches!(self, Self::Input(_))
+    }
+
+    /// Commands and flags keep their value until the next sample; measured signals run straight between samples.
+    pub(super) fn is_held(self) -> bool {
+        matches!(self, Self::Input(_) | Self::ThetaRef | Self::Section | Self::Supervised)
+    }
+}
+
+/// One column of the file that is read.
+#[derive(Clone, Debug)]
+pub(super) struct Source {
+    pub(super) role: Role,
+    /// Place in the row, from 0.
+    pub(super) index: usize,
+    /// Name in the file's header.
+    pub(super) name: String,
+    /// From the file's unit to SI.
+    pub(super) factor: f64,
+}
+
+impl Source {
+    /// The option that multiplies this column by `factor` on top of what is done already.
+    pub(super) fn scaled_by(&self, factor: f64) -> String {
+        let scale = self.factor * factor;
+        let scale = format!("{scale:.6e}").parse::<f64>().unwrap_or(scale);
+        format!("--column '{}={}*{scale}'", self.role.column(), self.name)
+    }
+}
+
+/// Assigns the columns of a header; notes what is converted, ignored or replaced.
+pub(super) fn assign(
+    header: &[String],
+    maps: &[ColumnMap],
+    notes: &mut Vec<Note>,
+) -> Result<Vec<Source>, Error> {
+    let mut sources: Vec<Source> = Vec::new();
+    for map in maps {
+        let source = mapped(header, map)?;
+        if let Some(earlier) = sources.iter().find(|s| s.role.same_slot(source.role)) {
+            let found = format!("--column gives {} twice ({}, {})", map.target, earlier.name, source.name);
+            return Err(Error::new(ErrorKind::Options, found, "keep one of the two"));
+        }
+        let (role, name, factor) = (source.role.column(), &source.name, source.factor);
+        let text = format!("{role} is the file's column {} times {factor}, as asked", quote(name));
+        notes.push(Note::new(NoteKind::Converted, text));
+        sources.push(source);
+    }
+    let from_maps = sources.len();
+    for (index, name) in header.iter().enumerate() {
+        let Some((role, factor)) = Role::of(name) else { continue };
+        if sources[..from_maps].iter().any(|s| s.role.same_slot(role)) {
+            continue;
+        }
+        add_own_column(&mut sources, Source { role, index, name: name.clone(), factor })?;
+    }
+    require(&sources, header)?;
+    note_conversions(&sources[from_maps..], notes);
+    note_ignored(header, &sources, notes);
+    Ok(sources)
+}
+
+fn mapped(header: &[String], map: &ColumnMap) -> Result<Source, Error> {
+    let option = format!("--column {}={}", map.target, map.source);
+    let Some((role, unit)) = Role::of(&map.target) else {
+        let found = format!("{option}: {} is not a column of the format", quote(&map.target));
+        let advice = format!("use one of {}", KNOWN_COLUMNS.join(", "));
+        return Err(Error::new(ErrorKind::Options, found, advice));
+    };
+    let mut places = header.iter().enumerate().filter(|(_, name)| **name == map.source);
+    match (places.next(), places.next()) {
+        (Some((index, name)), None) => {
+            Ok(Source { role, index, name: name.clone(), factor: unit * map.factor })
+        }
+        (Some(_), Some(_)) => Err(double_column(&map.source)),
+        (None, _) => {
+            let found = format!("{option}: the file has no column {}", quote(&map.source));
+            let advice = "name a column of the file, in the same upper and lower case";
+            Err(Error::new(ErrorKind::Options, found, advice).expecting(format!("one of {}", listed(header))))
+        }
+    }
+}
+
+fn double_column(name: &str) -> Error {
+    Error::new(ErrorKind::Column, "two columns of this name", "delete or rename one of them").in_column(name)
+}
+
+/// A column in degrees gives way to the same signal in radians; anything else twice is an error.
+fn add_own_column(sources: &mut Vec<Source>, new: Source) -> Result<(), Error> {
+    let Some(position) = sources.iter().position(|s| s.role.same_slot(new.role)) else {
+        sources.push(new);
+        return Ok(());
+    };
+    let old = &sources[position];
+    if old.name == new.name {
+        return Err(double_column(&new.name));
+    }
+    if matches!(new.role, Role::Input(_)) {
+        let found = format!("two input columns, {} and {}", old.name, new.name);
+        let advice = format!("choose one, e.g. --column {0}={0}, or delete the other", old.name);
+        return Err(Error::new(ErrorKind::Column, found, advice).expecting("exactly one input column"));
+    }
+    if new.name == new.role.column() {
+        sources[position] = new;
+    }
+    Ok(())
+}
+
+fn require(sources: &[Source], header: &[String]) -> Result<(), Error> {
+    let has = |wanted: fn(Role) -> bool| sources.iter().any(|s| wanted(s.role));
+    let missing = if !has(|r| r == Role::Time) {
+        (
+            "no column t_s",
+            "t_s, the time of each sample in seconds",
+            "--column t_s=NAME, or --column 't_s=NAME*0.001' for milliseconds",
+        )
+    } else if !has(|r| matches!(r, Role::Input(_))) {
+        (
+            "no input column",
+            "one of u_rad, u_pct, u_V, u_N_m, u_N, u_norm",
+            "--column u_rad=NAME, or another of these with its unit",
+        )
+    } else if !has(|r| matches!(r, Role::Q | Role::Theta)) {
+        (
+            "neither pitch rate nor pitch angle",
+            "q_rad_s or theta_rad (or q_deg_s, theta_deg)",
+            "--column q_rad_s=NAME or --column theta_rad=NAME",
+        )
+    } else {
+        return Ok(());
+    };
+    let (what, expected, option) = missing;
+    let alike = header
+        .iter()
+        .find(|name| KNOWN_COLUMNS.iter().any(|known| known.eq_ignore_ascii_case(name) && known != name));
+    let found = format!("{what} among {}", listed(header));
+    let advice = match alike {
+        Some(name) => {
+            format!("names are case-sensitive: look at {}; or map a column with {option}", quote(name))
+        }
+        None => format!("rename the column, or map it with {option}"),
+    };
+    Err(Error::new(ErrorKind::Column, found, advice).expecting(expected))
+}
+
+/// Column names for a message, cut after the twelfth.
+fn listed(header: &[String]) -> String {
+    const MOST: usize = 12;
+    let mut names: Vec<String> = header
+        .iter()
+        .take(MOST)
+        .map(|name| name.chars().take(40).flat_map(char::escape_debug).collect())
+        .collect();
+    if header.len() > MOST {
+        names.push(format!("and {} more", header.len() - MOST));
+    }
+    names.join(", ")
+}
+
+fn note_conversions(own: &[Source], notes: &mut Vec<Note>) {
+    for source in own.iter().filter(|s| s.name != s.role.column()) {
+        let text = format!("{} was converted from degrees to {}", source.name, source.role.column());
+        notes.push(Note::new(NoteKind::Converted, text));
+    }
+}
+
+fn note_ignored(header: &[String], sources: &[Source], notes: &mut Vec<Note>) {
+    let ignored: Vec<String> = header
+        .iter()
+        .enumerate()
+        .filter(|(index, name)| !name.is_empty() && sources.iter().all(|s| s.index != *index))
+        .map(|(_, name)| name.clone())
+        .collect();
+    if !ignored.is_empty() {
+        notes.push(Note::new(NoteKind::Ignored, format!("columns not used: {}", listed(&ignored))));
+    }
+}

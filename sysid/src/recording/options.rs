@@ -1,0 +1,182 @@
+//! What a caller may say about a recording: columns of other names, sections by time, the input's hold.
+
+use std::str::FromStr;
+
+use super::columns::{KNOWN_COLUMNS, Role};
+use crate::error::{Error, ErrorKind, quote};
+
+/// How the input behaves between two samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InputHold {
+    /// A command held over [t_k, t_k+1) (zero-order hold).
+    #[default]
+    Held,
+    /// A measured input, straight between samples (first-order hold).
+    Interpolated,
+}
+
+impl FromStr for InputHold {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        match text {
+            "held" => Ok(Self::Held),
+            "interpolated" => Ok(Self::Interpolated),
+            other => Err(Error::new(
+                ErrorKind::Options,
+                format!("--input {}", quote(other)),
+                "choose one of the two",
+            )
+            .expecting("held (a command) or interpolated (a measured input)")),
+        }
+    }
+}
+
+/// One `--column TARGET=SOURCE[*FACTOR]`: the file's column `source` times `factor` is the project's `target`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnMap {
+    /// A column of the format, e.g. `q_rad_s`.
+    pub target: String,
+    /// The name in the file's header.
+    pub source: String,
+    /// Finite, not zero, at most 1e12 in magnitude.
+    pub factor: f64,
+}
+
+impl FromStr for ColumnMap {
+    type Err = Error;
+
+    /// Parses `q_rad_s=gy` or `q_rad_s=gy*0.0174533`.
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let refuse = |what: String| {
+            Error::new(
+                ErrorKind::Options,
+                format!("--column {}: {what}", quote(text)),
+                "write --column q_rad_s=gyro_y, or --column 'q_rad_s=gyro_y*0.0174533' where the unit differs",
+            )
+        };
+        let (target, rest) = text.split_once('=').ok_or_else(|| refuse("no = in it".into()))?;
+        let (source, factor) = match rest.rsplit_once('*') {
+            None => (rest, 1.0),
+            Some((source, factor)) => {
+                let number = factor.trim().parse::<f64>();
+                let number =
+                    number.map_err(|_| refuse(format!("the factor {} is no number", quote(factor))))?;
+                (source, number)
+            }
+        };
+        let (target, source) = (target.trim(), source.trim());
+        if source.is_empty() {
+            return Err(refuse("no column of the file is named".into()));
+        }
+        if !(1e-12..=1e12).contains(&factor.abs()) {
+            return Err(refuse(format!("the factor {factor} is zero or out of range")));
+        }
+        if Role::of(target).is_none() {
+            return Err(refuse(format!("{} is not a column of the format", quote(target)))
+                .expecting(format!("one of {}", KNOWN_COLUMNS.join(", "))));
+        }
+        Ok(Self { target: target.into(), source: source.into(), factor })
+    }
+}
+
+/// One `--section NAME=FROM..TO`: the samples with FROM ≤ t < TO, in seconds of the file's own clock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionSpec {
+    /// The section's label.
+    pub label: String,
+    /// First time, s; −∞ where it was left out.
+    pub from: f64,
+    /// Time before which it ends, s; ∞ where it was left out.
+    pub to: f64,
+}
+
+impl FromStr for SectionSpec {
+    type Err = Error;
+
+    /// Parses `IV=31.5..62`; either end may be left out.
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let refuse = |what: String| {
+            let advice = "write --section NAME=FROM..TO in seconds, e.g. --section IV=31.5..62";
+            Error::new(ErrorKind::Options, format!("--section {}: {what}", quote(text)), advice)
+        };
+        let bound = |part: &str, open: f64| match part.trim() {
+            "" => Ok(open),
+            number => match number.parse::<f64>() {
+                Ok(value) if value.is_finite() => Ok(value),
+                _ => Err(refuse(format!("{} is no time", quote(number)))),
+            },
+        };
+        let (label, span) = text.split_once('=').ok_or_else(|| refuse("no = in it".into()))?;
+        let (from, to) = span.split_once("..").ok_or_else(|| refuse("no .. in it".into()))?;
+        let (from, to) = (bound(from, f64::NEG_INFINITY)?, bound(to, f64::INFINITY)?);
+        let label = label.trim();
+        if label.is_empty() || label == "-" {
+            return Err(refuse("the section has no name".into()));
+        }
+        if from >= to {
+            return Err(refuse("it ends before it begins".into()));
+        }
+        Ok(Self { label: label.into(), from, to })
+    }
+}
+
+/// How a recording is to be read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadOptions {
+    /// How the input behaves between samples.
+    pub input_hold: InputHold,
+    /// Columns of other names; a map goes before a column that is there already.
+    pub columns: Vec<ColumnMap>,
+    /// Times, s, at which a new section begins (`S1`, `S2`, ...); overrides the `section` column.
+    pub splits: Vec<f64>,
+    /// Sections by time; overrides the `section` column, excludes `splits`.
+    pub sections: Vec<SectionSpec>,
+    /// The least number of samples that a contiguous stretch of the recording must have; at least 3.
+    pub min_samples: usize,
+}
+
+impl Default for ReadOptions {
+    /// A held input, the file's own columns and sections, and at least 20 samples.
+    fn default() -> Self {
+        Self {
+            input_hold: InputHold::Held,
+            columns: Vec::new(),
+            splits: Vec::new(),
+            sections: Vec::new(),
+            min_samples: 20,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_with_and_without_factor() {
+        let map: ColumnMap = "q_rad_s=gy*0.5".parse().unwrap();
+        assert_eq!((map.target.as_str(), map.source.as_str(), map.factor), ("q_rad_s", "gy", 0.5));
+        assert_eq!("u_V = volts".parse::<ColumnMap>().unwrap().factor, 1.0);
+    }
+
+    #[test]
+    fn bad_maps_are_refused_with_the_way_to_write_them() {
+        for text in ["", "q_rad_s", "q_rad_s=", "q_rad_s=gy*x", "q_rad_s=gy*0", "q_rad_s=gy*NaN", "speed=gy"]
+        {
+            let error = text.parse::<ColumnMap>().unwrap_err();
+            assert_eq!(error.kind, ErrorKind::Options);
+            assert!(error.advice.contains("--column"), "{error}");
+        }
+    }
+
+    #[test]
+    fn sections_by_time() {
+        let spec: SectionSpec = "IV=31.5..62".parse().unwrap();
+        assert_eq!((spec.label.as_str(), spec.from, spec.to), ("IV", 31.5, 62.0));
+        assert_eq!("I=..3".parse::<SectionSpec>().unwrap().from, f64::NEG_INFINITY);
+        for text in ["IV", "IV=3", "IV=5..3", "=1..2", "IV=a..3", "-=1..2", "IV=NaN..2"] {
+            assert!(text.parse::<SectionSpec>().unwrap_err().advice.contains("--section"), "{text}");
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Tells what a file is when it is no recording: flight logs, archives, other encodings, other separators.
+
+use crate::error::{Error, ErrorKind};
+
+/// First bytes, what they mean, what to do.
+const SIGNATURES: [(&[u8], &str, &str); 12] = [
+    (b"ULog", "a PX4 flight log (ULog)", LOG_ADVICE),
+    (b"H Product:Blackbox", "a Betaflight blackbox log", LOG_ADVICE),
+    (&[0xA3, 0x95], "an ArduPilot flight log (DataFlash)", LOG_ADVICE),
+    (b"PK\x03\x04", "a zip archive or a spreadsheet (xlsx, ods)", "save the sheet as CSV with commas"),
+    (&[0xD0, 0xCF, 0x11, 0xE0], "an old spreadsheet (xls)", "save the sheet as CSV with commas"),
+    (&[0x1F, 0x8B], "a gzip archive", "unpack it first"),
+    (b"PAR1", "a Parquet table", "write it as CSV"),
+    (b"MATLAB 5.0", "a MATLAB file", "write it as CSV, e.g. with writetable"),
+    (b"\x89HDF", "an HDF5 file (MATLAB 7.3 among others)", "write it as CSV, e.g. with writetable"),
+    (b"SQLite format 3", "a database (ROS 2 bag among others)", "export the topics as CSV"),
+    (&[0xFF, 0xFE], "UTF-16 text", "save it as UTF-8"),
+    (&[0xFE, 0xFF], "UTF-16 text", "save it as UTF-8"),
+];
+const LOG_ADVICE: &str = "convert it to CSV with the columns of the recording format first";
+
+/// The text without its byte order mark, if these bytes can be a CSV file at all.
+pub(super) fn text(bytes: &[u8]) -> Result<&str, Error> {
+    if bytes.is_empty() {
+        return Err(Error::new(
+            ErrorKind::Format,
+            "the file is empty",
+            "check that the logger has written it",
+        )
+        .expecting("a header line and one line per sample"));
+    }
+    let signature = SIGNATURES.iter().find(|(start, _, _)| bytes.starts_with(start));
+    if let Some((_, what, advice)) = signature {
+        return Err(
+            Error::new(ErrorKind::Format, format!("this is {what}"), *advice).expecting("a UTF-8 CSV file")
+        );
+    }
+    if let Some(offset) = bytes.iter().position(|&b| b == 0) {
+        let found = format!("a binary file (zero byte at offset {offset})");
+        let advice = "convert the log to CSV with the columns of the recording format first";
+        return Err(Error::new(ErrorKind::Format, found, advice)
+            .at_line(line_at(bytes, offset))
+            .expecting("a UTF-8 CSV file"));
+    }
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let offset = error.valid_up_to();
+        let byte = bytes.get(offset).copied().unwrap_or_default();
+        let found = format!("not UTF-8: byte 0x{byte:02x} at offset {offset}");
+        Error::new(ErrorKind::Format, found, "save the file as UTF-8, or write plain ASCII names and units")
+            .at_line(line_at(bytes, offset))
+            .expecting("a UTF-8 CSV file")
+    })?;
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
+}
+
+fn line_at(bytes: &[u8], offset: usize) -> usize {
+    1 + bytes.iter().take(offset).filter(|&&b| b == b'\n').count()
+}
+
+/// Refuses a header that is separated by something else than commas.
+pub(super) fn separator(header: &str) -> Result<(), Error> {
+    if header.contains(',') {
+        return Ok(());
+    }
+    let (name, advice) = if header.contains(';') {
+        (
+            "semicolons",
+            "save it with commas between columns and a point in decimals (many spreadsheets write ; and 0,5)",
+        )
+    } else if header.contains('\t') {
+        ("tabs", "save it with commas between columns")
+    } else {
+        return Ok(());
+    };
+    Err(Error::new(ErrorKind::Format, format!("columns separated by {name}"), advice).expecting("commas"))
+}
+
+/// What to do about a cell that is not a number.
+pub(super) fn number_advice(cell: &str) -> &'static str {
+    let lower = cell.to_ascii_lowercase();
+    let digits =
+        |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
+    if cell.is_empty() {
+        "fill the cell, or delete the row: a missing row is treated as a gap, a missing number cannot be"
+    } else if lower.contains("nan") || matches!(lower.as_str(), "na" | "n/a" | "null" | "none" | "-") {
+        "delete the rows without a measurement: a missing row is treated as a gap"
+    } else if cell.split_once(',').is_some_and(|(whole, part)| digits(whole) && digits(part)) {
+        "write decimals with a point"
+    } else if cell.contains(':') {
+        "write time as seconds, e.g. 12.34, not as a clock"
+    } else {
+        "correct the cell or delete the row; units belong in the header"
+    }
+}

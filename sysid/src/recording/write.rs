@@ -1,0 +1,64 @@
+//! Writes a recording in the format in which it is read.
+
+use std::io::Write;
+
+use super::{Recording, sections::WHOLE};
+use crate::error::Error;
+
+impl Recording {
+    /// Writes the CSV format; every number is the shortest text that reads back to the same value.
+    /// Rows outside all sections get the label `-`; the `section` column is left out where the file named none, the
+    /// `supervised` column where it is all 0. Columns that were ignored and notes are not written.
+    ///
+    /// # Errors
+    /// What the writer reports.
+    pub fn write_csv(&self, out: impl Write) -> Result<(), Error> {
+        self.write_rows(out).map_err(|error| Error::from_io(&self.name, &error))
+    }
+
+    fn write_rows(&self, out: impl Write) -> std::io::Result<()> {
+        let mut columns: Vec<(&str, &[f64])> = vec![("t_s", &self.t), (self.u_unit.column(), &self.u)];
+        let optional = [
+            ("q_rad_s", &self.q),
+            ("theta_rad", &self.theta),
+            ("qdot_rad_s2", &self.qdot),
+            ("p_rad_s", &self.p),
+            ("r_rad_s", &self.r),
+            ("phi_rad", &self.phi),
+            ("theta_ref_rad", &self.theta_ref),
+            ("battery_v", &self.battery),
+        ];
+        columns.extend(optional.iter().filter_map(|(name, values)| Some((*name, values.as_deref()?))));
+        let labels = self.row_labels();
+        let supervised = self.supervised.contains(&true);
+
+        let mut writer = csv::Writer::from_writer(out);
+        for (name, _) in &columns {
+            writer.write_field(name)?;
+        }
+        let named = [("section", labels.is_some()), ("supervised", supervised)];
+        writer.write_record(named.iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name))?;
+        let mut cell = String::new();
+        for row in 0..self.t.len() {
+            for (_, values) in &columns {
+                cell.clear();
+                std::fmt::Write::write_fmt(&mut cell, format_args!("{}", values[row]))
+                    .map_err(std::io::Error::other)?;
+                writer.write_field(&cell)?;
+            }
+            let label = labels.as_ref().map(|labels| labels[row]);
+            let flag = supervised.then(|| if self.supervised[row] { "1" } else { "0" });
+            writer.write_record(label.into_iter().chain(flag))?;
+        }
+        writer.flush()
+    }
+
+    /// The file's label of each row; `None` where one section called `all` is everything.
+    fn row_labels(&self) -> Option<Vec<&str>> {
+        let mut labels = vec!["-"; self.t.len()];
+        for section in &self.sections {
+            labels[section.rows.clone()].fill(&section.file_label);
+        }
+        (!labels.iter().all(|&label| label == WHOLE)).then_some(labels)
+    }
+}

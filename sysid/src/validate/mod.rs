@@ -1,0 +1,3 @@
+//! How good a model is, on data it has not seen.
+
+pub mod vaf;

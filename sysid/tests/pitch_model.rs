@@ -1,0 +1,111 @@
+//! The sampled pitch model against closed forms, and its parameters found again.
+
+use sysid::dataset::{Amplitudes, Run};
+use sysid::diagnosis::effects::find;
+use sysid::identify::levenberg_marquardt::{Coordinate, Effort, covariance, minimize};
+use sysid::model::grey_box::{Disturbance, Plant};
+use sysid::model::pitch::{PitchModel, Term};
+
+const STEP: f64 = 0.02;
+const PLANT: Plant = Plant { inertia: 0.1705, dm_dq: -0.27, dm_du: 23.0, delay: 0.05, mount: None };
+const QUIET: Disturbance = Disturbance { intensity: 1.0, slow: 0.5, fast: 10.0, zero: 1.0, angle_noise: 1.0 };
+const SIZES: Amplitudes =
+    Amplitudes { u: 0.015, q: 0.3, theta: 0.2, moment: 0.345, step: STEP, duration: 4.0 };
+
+fn run(u: Vec<f64>) -> Run {
+    Run {
+        recording: 0,
+        start: 0.0,
+        step: STEP,
+        held: true,
+        rate: Some(vec![0.0; u.len()]),
+        angle: Some(vec![0.0; u.len()]),
+        roll_and_yaw: None,
+        supervised: vec![false; u.len()],
+        sections: Vec::new(),
+        u,
+    }
+}
+
+fn free_run(plant: &Plant, terms: &[Term], u: Vec<f64>) -> Vec<[f64; 2]> {
+    let run = run(u);
+    let model = PitchModel::new(plant, terms, &QUIET, STEP, &SIZES).expect("the model is finite");
+    model.simulate(&run, 0..run.len(), model.start(&run)).expect("the run stays finite")
+}
+
+/// A step of 0.01 rad at row 10.
+fn step_input() -> Vec<f64> {
+    (0..200).map(|k| if k < 10 { 0.0 } else { 0.01 }).collect()
+}
+
+#[test]
+fn the_rigid_plant_answers_a_delayed_step_in_closed_form() {
+    let simulated = free_run(&PLANT, &[], step_input());
+    let decay = PLANT.dm_dq / PLANT.inertia;
+    for (k, y) in simulated.iter().enumerate() {
+        let t = (k as f64 * STEP - 10.0 * STEP - PLANT.delay).max(0.0);
+        let q = PLANT.dm_du * 0.01 / -PLANT.dm_dq * (1.0 - (decay * t).exp());
+        // A delay of two samples and a half: within a step the mean of the input stands for its course.
+        assert!((y[0] - q).abs() < 2e-4, "row {k}: {} for {q}", y[0]);
+    }
+}
+
+#[test]
+fn a_servo_lag_answers_a_step_in_closed_form() {
+    let plant = Plant { delay: 0.06, ..PLANT };
+    let lag = 0.1;
+    let terms = [Term { effect: find("servo_lag").expect("it is in the catalogue"), values: vec![lag] }];
+    let simulated = free_run(&plant, &terms, step_input());
+    let (a, b) = (-plant.dm_dq / plant.inertia, 1.0 / lag);
+    for (k, y) in simulated.iter().enumerate() {
+        let t = (k as f64 * STEP - 10.0 * STEP - plant.delay).max(0.0);
+        let rise = 1.0 - (b * (-a * t).exp() - a * (-b * t).exp()) / (b - a);
+        let q = plant.dm_du * 0.01 / -plant.dm_dq * rise;
+        assert!((y[0] - q).abs() < 5e-4, "row {k}: {} for {q}", y[0]);
+    }
+}
+
+#[test]
+fn a_spring_keeps_its_period() {
+    let plant = Plant { dm_dq: 0.0, delay: 0.0, ..PLANT };
+    let k3 = find("gravity_stiffness").expect("it is in the catalogue");
+    let terms = [Term { effect: k3, values: vec![2.0] }];
+    let mut run = run(vec![0.0; 500]);
+    run.angle = Some(vec![0.01; 500]);
+    let model = PitchModel::new(&plant, &terms, &QUIET, STEP, &SIZES).expect("the model is finite");
+    let simulated = model.simulate(&run, 0..500, model.start(&run)).expect("the run stays finite");
+    let omega = (2.0f64 / plant.inertia).sqrt();
+    for (k, y) in simulated.iter().enumerate() {
+        let expected = 0.01 * (omega * k as f64 * STEP).cos();
+        assert!((y[1] - expected).abs() < 1e-4, "row {k}: {} for {expected}", y[1]);
+    }
+}
+
+#[test]
+fn least_squares_finds_a_line_and_its_covariance() {
+    let x: Vec<f64> = (0..400).map(|k| f64::from(k) / 400.0).collect();
+    // A deterministic stand-in for white noise of variance 1/12.
+    let noise: Vec<f64> = (0..400).map(|k| (f64::from(k) * 0.618_033_988_749_895).fract() - 0.5).collect();
+    let residuals = |p: &[f64]| {
+        Some(x.iter().zip(&noise).map(|(x, e)| [2.0 + 3.0 * x + e - p[0] - p[1] * x, 0.0]).collect())
+    };
+    let free = |name: &str| Coordinate {
+        name: name.into(),
+        unit: "1".into(),
+        bounds: [-100.0, 100.0],
+        log: false,
+        unit_step: 1.0,
+        prior: None,
+    };
+    let coordinates = [free("offset"), free("slope")];
+    let effort = Effort { iterations: 30, tolerance: 1e-9 };
+    let minimum = minimize(&residuals, 1, &coordinates, &[0.0, 0.0], effort).expect("it is finite");
+    assert!(
+        (minimum.values[0] - 2.0).abs() < 0.05 && (minimum.values[1] - 3.0).abs() < 0.1,
+        "{:?}",
+        minimum.values
+    );
+    let found = covariance(&residuals, 1, &coordinates, &minimum.values, 0).expect("it is regular");
+    let slope = (1.0 / 12.0) / (400.0 / 12.0);
+    assert!((found[(1, 1)] / slope - 1.0).abs() < 0.1, "{} for {slope}", found[(1, 1)]);
+}

@@ -1,0 +1,95 @@
+//! What is concealed in the simulated vehicle is found, and nothing is found where nothing is concealed.
+
+use host_sim::{Background, Scenario, Setting};
+use pitchid_tests::{at_cost, diagnosed, record, scenario};
+use sysid::diagnosis::answer::{Answer, Verdict};
+
+const SEEDS: u64 = 10;
+
+/// Runs `count` cases, prints each answer, and says how many were as wanted.
+fn tally(
+    what: &str,
+    count: u64,
+    case: impl Fn(u64) -> (Scenario, String),
+    wanted: impl Fn(&Answer) -> bool,
+) -> u64 {
+    let mut right = 0;
+    for seed in 0..count {
+        let (scenario, told) = case(seed);
+        let answer = diagnosed(record(&scenario)).answer;
+        let ids: Vec<&str> = answer.effects.iter().map(|e| e.id.as_str()).collect();
+        let ok = wanted(&answer);
+        right += u64::from(ok);
+        println!(
+            "{what} seed {seed} {told}: {:?} {}{}",
+            answer.verdict,
+            ids.join("+"),
+            if ok { "" } else { "  <-- WRONG" }
+        );
+    }
+    println!("{what}: {right} of {count}");
+    right
+}
+
+fn is_named(id: &str) -> impl Fn(&Answer) -> bool + '_ {
+    move |answer| answer.verdict == Verdict::Named && answer.effects.len() == 1 && answer.effects[0].id == id
+}
+
+/// `id` at a size that costs five points of held-out VAF, on backgrounds that alternate between clean and lab.
+fn concealed(id: &'static str) -> impl Fn(u64) -> (Scenario, String) {
+    move |seed| {
+        let background = if seed % 2 == 0 { Background::Clean } else { Background::Lab };
+        let bare = scenario(100 + seed, background);
+        let usual = Setting::usual(id, false).expect("the effect is in the catalogue");
+        let signed = usual.entry().parameters[0].signed && seed % 4 >= 2;
+        let usual = if signed { usual.mirrored() } else { usual };
+        let (setting, cost) = at_cost(&bare, &usual, 5.0);
+        let values: Vec<String> =
+            setting.parameters().map(|(p, v)| format!("{} = {v:.4} {}", p.name, p.unit)).collect();
+        (
+            Scenario { effects: vec![setting], ..bare },
+            format!("({background:?}, {}, costs {cost:.1} points)", values.join(", ")),
+        )
+    }
+}
+
+macro_rules! named {
+    ($($test:ident $id:literal)*) => {$(
+        #[test]
+        fn $test() {
+            assert!(tally($id, SEEDS, concealed($id), is_named($id)) >= 9);
+        }
+    )*};
+}
+
+named! {
+    dry_friction_is_named "coulomb_friction"
+    gravity_is_named "gravity_stiffness"
+    a_servo_lag_is_named "servo_lag"
+    an_extra_delay_is_named "extra_delay"
+    quadratic_drag_is_named "quadratic_drag"
+    an_offset_of_trim_is_named "trim_offset"
+}
+
+#[test]
+fn nothing_is_found_where_nothing_is_concealed() {
+    let bare = |seed| {
+        let background = [Background::Clean, Background::Lab, Background::Paper][seed as usize % 3];
+        (scenario(200 + seed, background), format!("({background:?})"))
+    };
+    let right = tally("nothing", 20, bare, |answer| answer.verdict == Verdict::NoMismatch);
+    assert!(right >= 19);
+}
+
+#[test]
+fn a_coloured_disturbance_is_no_mismatch() {
+    let gusty = |seed| {
+        let gust = Setting::usual("gust_disturbance", seed % 2 == 1).expect("the effect is in the catalogue");
+        let bare = scenario(300 + seed, Background::Lab);
+        (Scenario { effects: vec![gust], ..bare }, "(gust)".to_owned())
+    };
+    let right = tally("coloured disturbance", 20, gusty, |answer| {
+        answer.verdict == Verdict::NoMismatch || answer.effects.iter().all(|e| e.id == "gust_disturbance")
+    });
+    assert!(right >= 19);
+}
