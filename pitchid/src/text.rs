@@ -80,7 +80,7 @@ fn fit(content: &Content) -> String {
     let header: &[&str] =
         if changed { &["section", "before", "after", "ceiling"] } else { &["section", "model", "ceiling"] };
     heading(
-        "VAF of the simulated pitch motion, % (parameters estimated again; ceiling: linear, without structure)",
+        "VAF of the simulated pitch motion, % (parameters estimated again; ceiling: the best of any model fitted to the section itself)",
     ) + &table(header, rows, 1)
 }
 

@@ -125,7 +125,7 @@ impl Content {
                 Verdict::NotExcited => "none",
             },
             fit: fit_rows(answer, traces),
-            effects: answer.effects.iter().map(effect_row).collect(),
+            effects: answer.effects.iter().filter(|e| e.id != "unlisted").map(effect_row).collect(),
             parameters: parameter_rows(answer, model.map(|(_, model)| model)),
             location: location_row(answer, traces),
             answer: answer.clone(),

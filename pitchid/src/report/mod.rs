@@ -84,7 +84,7 @@ pub fn headline_trace(traces: &[Trace]) -> Option<&Trace> {
 
 /// Whether anything was added to the model.
 pub fn is_changed(answer: &Answer) -> bool {
-    !answer.effects.is_empty()
+    answer.effects.iter().any(|e| e.id != "unlisted")
 }
 
 fn caption(content: &Content, trace: &Trace) -> String {

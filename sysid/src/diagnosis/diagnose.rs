@@ -250,9 +250,16 @@ fn unlisted(location: &Location) -> EffectAnswer {
     let strongest = location.dependence.first().filter(|d| d.share > 0.0);
     let equation = match strongest {
         Some(d) => {
-            let curve: Vec<String> =
-                d.classes.iter().map(|[x, m, _]| format!("{} -> {}", digits(*x), digits(*m))).collect();
-            format!("M += f({}), {} -> N m: {}", d.variable, d.unit, curve.join(", "))
+            let told = |[x, moment, _]: &[f64; 3]| format!("{} N m at {}", digits(*moment), digits(*x));
+            let (low, high) = (d.classes.first().map(told), d.classes.last().map(told));
+            format!(
+                "a moment that follows {} ({:.0} % of its variance), from {} to {} {}",
+                d.variable,
+                100.0 * d.share,
+                low.unwrap_or_default(),
+                high.unwrap_or_default(),
+                d.unit
+            )
         }
         None => "a moment that depends on none of u, its rate, q, theta and t alone".into(),
     };

@@ -19,7 +19,10 @@ pub fn summary(answer: &Answer, refused: &[&str]) -> String {
         Verdict::Unlisted => format!(
             "Physics is missing, and nothing in the catalogue explains it: free-run VAF {before:.1} % on held-out {held}, \
              where an unstructured model reaches {ceiling:.1} %.{}",
-            answer.effects.first().map_or(String::new(), |e| format!(" What was found: {}.", e.equation))
+            answer
+                .effects
+                .first()
+                .map_or(String::new(), |e| format!(" What the model leaves: {}.", e.equation))
         ),
         _ => {
             let found: Vec<String> = answer.effects.iter().map(told).collect();
