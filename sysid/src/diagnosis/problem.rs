@@ -165,7 +165,8 @@ impl<'a> Problem<'a> {
         0.1 * self.sizes.moment / (0.01 * signal)
     }
 
-    /// Noise parameters to begin with, for a disturbance `share` as strong as [`Self::intensity_unit`] says.
+    /// Noise parameters to begin with, for a disturbance `share` times as strong as one that moves the signal within a
+    /// second by about the sensor's noise.
     pub fn noise_start(&self, share: f64) -> Vec<f64> {
         let faster = (0.02 / self.sizes.step).max(1.0);
         let mut start = vec![share * self.intensity_unit(), 0.5, 10.0 * faster.sqrt(), 1.0];

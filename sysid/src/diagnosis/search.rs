@@ -45,7 +45,7 @@ impl Fit {
     }
 }
 
-/// Disturbance strengths tried for the baseline, as shares of [`Problem::noise_start`]'s unit.
+/// Disturbance strengths tried for the baseline, as shares of `Problem::noise_start`'s unit.
 const STRENGTHS: [f64; 5] = [0.03, 0.3, 3.0, 30.0, 300.0];
 /// Strength that stands for "near output error".
 const LOW_GAIN: f64 = 0.03;
