@@ -1,33 +1,16 @@
 //! H∞ matching against closed forms, brute force, laws, and the campaigns of an independent program.
 
+mod reference;
+
 use nalgebra::{Complex, DMatrix, Matrix2, Vector2};
 use proptest::prelude::*;
-use std::path::PathBuf;
+use reference::{campaign, piece};
 use sysid::identify::butterworth::Butterworth;
 use sysid::identify::continuous::{ContinuousStateSpace, to_continuous};
-use sysid::identify::fir::Piece;
 use sysid::identify::hinf_match::{MountRange, grey_box_response, hinf_match};
 use sysid::identify::pi_moesp::{Method, identify};
 use sysid::model::grey_box::{Mount, Plant};
-use sysid::recording::{ReadOptions, Recording, read};
 use sysid::validate::vaf::vaf;
-
-/// The recordings of amplitude 12, 15 and 19 mrad; `None` where the reference data are absent.
-fn campaign(kind: &str) -> Option<Vec<Recording>> {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/reference"));
-    let path = |amplitude: &str| folder.join(format!("data_{kind}_{amplitude}_seed0.csv"));
-    if !path("a015").exists() {
-        println!("skipped: the reference campaigns are not in {}", folder.display());
-        return None;
-    }
-    Some(["a012", "a015", "a019"].map(|a| read(&path(a), &ReadOptions::default()).unwrap()).into())
-}
-
-fn piece<'a>(recording: &'a Recording, section: &str, run: usize) -> Piece<'a> {
-    let rows = recording.section(section).unwrap().rows.clone();
-    let q = recording.q.as_deref().unwrap();
-    Piece { u: &recording.u, y: q, supervised: &recording.supervised, rows, run, step: recording.step }
-}
 
 /// The plant of the nominal campaign.
 const NOMINAL: Plant = Plant {

@@ -1,31 +1,16 @@
 //! PI-MOESP against closed forms, laws, and the campaigns of an independent program (`data/reference/README.md`).
 
+mod reference;
+
 use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 use proptest::prelude::*;
-use std::path::PathBuf;
+use reference::{campaign, piece};
 use sysid::identify::block_hankel::{Correlations, Instruments, Stretch, stretches, transposed};
 use sysid::identify::fir::Piece;
 use sysid::identify::pi_moesp::{Method, identify, search};
 use sysid::model::state_space::StateSpace;
-use sysid::recording::{ReadOptions, Recording, read};
+use sysid::recording::Recording;
 use sysid::validate::vaf::vaf;
-
-/// The recordings of amplitude 12, 15 and 19 mrad; `None` where the reference data are absent.
-fn campaign(kind: &str) -> Option<Vec<Recording>> {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/reference"));
-    let path = |amplitude: &str| folder.join(format!("data_{kind}_{amplitude}_seed0.csv"));
-    if !path("a015").exists() {
-        println!("skipped: the reference campaigns are not in {}", folder.display());
-        return None;
-    }
-    Some(["a012", "a015", "a019"].map(|a| read(&path(a), &ReadOptions::default()).unwrap()).into())
-}
-
-fn piece<'a>(recording: &'a Recording, section: &str, run: usize) -> Piece<'a> {
-    let rows = recording.section(section).unwrap().rows.clone();
-    let q = recording.q.as_deref().unwrap();
-    Piece { u: &recording.u, y: q, supervised: &recording.supervised, rows, run, step: recording.step }
-}
 
 /// Section I of each, one after the other as if it were one record: what the independent program learnt from.
 fn joined(recordings: &[Recording]) -> [Vec<f64>; 2] {

@@ -178,17 +178,13 @@ impl<'p, 'd> Judgement<'p, 'd> {
         }
     }
 
-    /// Where the parameters of the effect stand in the extended model's list: behind the plant's, in the order of the fit.
+    /// Where the parameters of the effect stand in the extended model's list, which has no noise model.
     fn own_parameters(&self, id: &str) -> core::ops::Range<usize> {
-        let mut first = self.problem.plant_unknowns();
-        for effect in &self.extended.fit.effects {
-            let count = effect.parameters(&self.problem.sizes).len();
-            if effect.about().id == id {
-                return first..first + count;
-            }
-            first += count;
-        }
-        first..first
+        let fit = &self.extended.fit;
+        let Some(position) = fit.ids().iter().position(|other| *other == id) else { return 0..0 };
+        let own = fit.own_range(self.problem, position);
+        let noise = self.problem.noise_unknowns();
+        own.start - noise..own.end - noise
     }
 
     fn effects(&self, fit: &FitAnswer) -> Vec<EffectAnswer> {

@@ -51,13 +51,15 @@ impl Judged {
 
     /// Name of the i-th unknown: an effect's parameter with the effect's id before it, for two effects may share a name.
     fn full_name(&self, problem: &Problem<'_>, i: usize) -> String {
-        let mut first = problem.plant_unknowns() + problem.noise_unknowns();
-        for effect in &self.fit.effects {
-            let own = effect.parameters(&problem.sizes);
-            if (first..first + own.len()).contains(&i) {
-                return format!("{}.{}", effect.about().id, own[i - first].name);
+        for (index, effect) in self.fit.effects.iter().enumerate() {
+            let own = self.fit.own_range(problem, index);
+            if own.contains(&i) {
+                return format!(
+                    "{}.{}",
+                    effect.about().id,
+                    effect.parameters(&problem.sizes)[i - own.start].name
+                );
             }
-            first += own.len();
         }
         problem.coordinates(&[])[i].name.clone()
     }

@@ -129,9 +129,7 @@ fn prune(problem: &Problem<'_>, mut fit: Fit) -> Fit {
 pub fn without(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<Fit> {
     let mut effects = fit.effects.clone();
     let mut values = fit.minimum.values.clone();
-    let mut first = problem.plant_unknowns() + problem.noise_unknowns();
-    first += effects[..i].iter().map(|e| e.parameters(&problem.sizes).len()).sum::<usize>();
-    values.drain(first..first + effects[i].parameters(&problem.sizes).len());
+    values.drain(fit.own_range(problem, i));
     effects.remove(i);
     refit(problem, &effects, &values)
 }

@@ -39,6 +39,13 @@ impl Fit {
         near.any(|at_bound| at_bound)
     }
 
+    /// Where the parameters of the `i`-th effect stand among all unknowns.
+    pub fn own_range(&self, problem: &Problem<'_>, i: usize) -> core::ops::Range<usize> {
+        let count = |e: &&'static dyn Effect| e.parameters(&problem.sizes).len();
+        let first = problem.noise_range().end + self.effects[..i].iter().map(count).sum::<usize>();
+        first..first + count(&self.effects[i])
+    }
+
     /// The ids of the effects.
     pub fn ids(&self) -> Vec<&'static str> {
         self.effects.iter().map(|e| e.about().id).collect()

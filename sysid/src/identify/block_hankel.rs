@@ -15,7 +15,7 @@
 //! Where a stretch has an unknown offset, each row of its columns is taken about its own mean: that removes a constant
 //! exactly, and leaves Y_f = O X + T U_f as it is.
 
-use super::fir::Piece;
+use super::fir::{Piece, dot};
 use crate::error::{Error, ErrorKind};
 use nalgebra::DMatrix;
 
@@ -279,17 +279,4 @@ fn correlate(a: &[f64], b: &[f64], lags: usize) -> Vec<f64> {
         }
     }
     sums
-}
-
-/// aᵀ b in eight partial sums, which the compiler can keep side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a8, a_rest) = a.as_chunks::<8>();
-    let (b8, b_rest) = b.as_chunks::<8>();
-    let mut sums = [0.0; 8];
-    for (a, b) in a8.iter().zip(b8) {
-        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a * b;
-        }
-    }
-    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }

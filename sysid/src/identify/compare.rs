@@ -11,6 +11,7 @@ use crate::diagnosis::free_run::{
     noise_held, output_errors, refit_for_simulation, starting_points, vaf_by_place,
 };
 use crate::diagnosis::held_out::Split;
+use crate::diagnosis::judge::labels;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::search::{Fit, fit_baseline};
 use crate::error::{Error, ErrorKind};
@@ -79,7 +80,6 @@ pub fn identify(
     let problem = Problem::new(&data, &baseline, &split.held_out);
     let grey_box = grey_box(&problem, &split)?;
     methods.push(grey_box.line);
-    let labels = |places: &[Place]| places.iter().map(|p| p.label.clone()).collect();
     Ok(Identification {
         methods,
         parameters: grey_box.parameters,

@@ -402,7 +402,7 @@ fn mean_over(x: &[f64], blocks: &[Range<usize>]) -> f64 {
 }
 
 /// aᵀ b in eight partial sums, which the compiler can keep side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a8, a_rest) = a.as_chunks::<8>();
     let (b8, b_rest) = b.as_chunks::<8>();
     let mut sums = [0.0; 8];

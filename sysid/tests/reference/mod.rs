@@ -1,0 +1,23 @@
+//! The reference campaigns, as the subspace methods take them.
+
+use std::path::PathBuf;
+use sysid::identify::fir::Piece;
+use sysid::recording::{ReadOptions, Recording, read};
+
+/// The recordings of amplitude 12, 15 and 19 mrad; `None` where the reference data are absent.
+pub fn campaign(kind: &str) -> Option<Vec<Recording>> {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/reference"));
+    let path = |amplitude: &str| folder.join(format!("data_{kind}_{amplitude}_seed0.csv"));
+    if !path("a015").exists() {
+        println!("skipped: the reference campaigns are not in {}", folder.display());
+        return None;
+    }
+    Some(["a012", "a015", "a019"].map(|a| read(&path(a), &ReadOptions::default()).unwrap()).into())
+}
+
+/// One section of a recording, as a piece of run number `run`.
+pub fn piece<'a>(recording: &'a Recording, section: &str, run: usize) -> Piece<'a> {
+    let rows = recording.section(section).unwrap().rows.clone();
+    let q = recording.q.as_deref().unwrap();
+    Piece { u: &recording.u, y: q, supervised: &recording.supervised, rows, run, step: recording.step }
+}
