@@ -5,7 +5,7 @@
 //! integrated in equal steps of at most 1 ms. So a delay that is no multiple of Ts is as exact as one that is.
 
 use crate::disturbance::ColouredMoment;
-use crate::effects::{Effect, Setting};
+use crate::effects::{Effect, Motion, RollYaw, Setting};
 use crate::plant::{Loads, Plant, State};
 use crate::sensors::Reading;
 
@@ -39,23 +39,52 @@ impl Aircraft {
         self.state
     }
 
-    /// Puts plant and IMU into another state; delay line and effects keep theirs.
-    pub const fn set_state(&mut self, state: State) {
-        self.state = state;
+    /// Puts plant and IMU into another state; delay line and effects keep theirs. An IMU without a mount moves
+    /// as the airframe, and that as the IMU of `state` says.
+    pub fn set_state(&mut self, state: State) {
+        let State { q_p, theta_p, .. } = state;
+        let mounted = self.plant_at(self.now()).mount.is_some();
+        self.state = if mounted { state } else { State { q: q_p, q_p, theta: theta_p, theta_p } };
     }
 
     fn now(&self) -> f64 {
         self.commands.len() as f64 * SAMPLE_PERIOD_S
     }
 
-    /// What the IMU reads now, without noise. Called once per tick.
+    /// What the IMU reads now, without noise and beyond its limits. Called once per tick.
     pub fn read(&mut self) -> Reading {
-        let mut reading = Reading { q: self.state.q_p, theta: self.state.theta_p, q_dot: self.q_dot };
         let t = self.now();
+        let (q, theta) = (self.state.q_p, self.state.theta_p);
+        let roll_yaw = self.roll_yaw(t).unwrap_or_default();
+        let mut reading = Reading { q, theta, q_dot: self.q_dot, roll_yaw };
         for effect in &mut self.effects {
             effect.measure(t, &mut reading);
         }
         reading
+    }
+
+    /// Limits a reading, after noise was added if there is to be any.
+    pub fn limit(&self, reading: &mut Reading) {
+        self.effects.iter().for_each(|effect| effect.limit(reading));
+    }
+
+    /// Motion about the other axes at `t`, where an effect frees them.
+    #[must_use]
+    pub fn roll_yaw(&self, t: f64) -> Option<RollYaw> {
+        self.effects.iter().find_map(|effect| effect.roll_yaw(t))
+    }
+
+    /// The time whose command the log shows at `t`, s.
+    #[must_use]
+    pub fn logged_at(&self, t: f64) -> f64 {
+        self.effects.iter().fold(t, |t, effect| effect.logged_at(t))
+    }
+
+    /// The parameters as they are at `t`.
+    fn plant_at(&self, t: f64) -> Plant {
+        let mut plant = self.plant;
+        self.effects.iter().for_each(|effect| effect.plant(t, &mut plant));
+        plant
     }
 
     /// Holds `u` (rad) for one tick.
@@ -91,19 +120,23 @@ impl Aircraft {
         let dt = length / f64::from(steps);
         for step in 0..steps {
             let t = from + f64::from(step) * dt;
-            let blade = self.effects.iter_mut().fold(command, |u, effect| effect.blade(u, dt));
-            let mut plant = self.plant;
-            self.effects.iter().for_each(|effect| effect.plant(t, &mut plant));
+            let blade = self.effects.iter_mut().fold(command, |u, effect| effect.blade(t, u, dt));
+            let plant = self.plant_at(t);
             let middle = t + dt / 2.0;
             let background = self.background.as_ref().map_or(0.0, |b| b.at(middle));
             let moment =
-                |x: &State| background + self.effects.iter().map(|e| e.moment(middle, x)).sum::<f64>();
-            let dry_friction = self.effects.iter().map(|e| e.dry_friction()).sum();
-            let loads = Loads { plant, blade, dry_friction, moment: &moment };
-            self.state = loads.step(&self.state, dt);
+                |x: &State| background + self.effects.iter().map(|e| e.moment(middle, x, blade)).sum::<f64>();
+            let before = self.state;
+            let dry_friction = self.effects.iter().map(|e| e.dry_friction(&before)).sum();
+            let roll_yaw = self.roll_yaw(middle).unwrap_or_default();
+            let loads = Loads { plant, blade, dry_friction, moment: &moment, roll_yaw };
+            let after = loads.step(&before, dt);
             if step + 1 == steps {
-                self.q_dot = loads.rate_at(&self.state).q_p;
+                self.q_dot = loads.rate_at(&after).q_p;
             }
+            self.state = after;
+            let motion = Motion { t, dt, plant, blade, before, after };
+            self.effects.iter_mut().for_each(|effect| effect.follow(&motion));
         }
     }
 }

@@ -11,7 +11,7 @@ use rand::RngExt;
 use rand::seq::SliceRandom;
 
 use crate::aircraft::Aircraft;
-use crate::effects::{CATALOGUE, Entry, Setting};
+use crate::effects::{Entry, Setting};
 use crate::error::Error;
 use crate::flight::{Flight, fly};
 use crate::plant::Plant;
@@ -31,15 +31,18 @@ pub fn simulate(plant: Plant, effects: &[Setting], seed: u64, flight: &Flight) -
 fn simulate_rows(plant: Plant, effects: &[Setting], seed: u64, flight: &Flight, count: usize) -> Vec<f64> {
     let mut aircraft = Aircraft::new(plant, effects, None, seed);
     let mut last = Section::Between;
-    let rows = flight.rows.iter().zip(&flight.states).take(count);
-    rows.map(|(row, state)| {
+    // a model that knows of the skew knows what was really sent
+    let skewed = aircraft.logged_at(1.0) != 1.0;
+    let rows = flight.rows.iter().zip(&flight.states).zip(&flight.sent).take(count);
+    rows.map(|((row, state), sent)| {
         if row.section != last {
             last = row.section;
             aircraft.set_state(*state);
         }
-        let q = aircraft.read().q;
-        aircraft.advance(f64::from(row.u_rad));
-        q
+        let mut reading = aircraft.read();
+        aircraft.limit(&mut reading);
+        aircraft.advance(f64::from(if skewed { *sent } else { row.u_rad }));
+        reading.q
     })
     .collect()
 }
@@ -117,19 +120,23 @@ pub fn cost_of_leaving_out(scenario: &Scenario) -> Result<f64, Error> {
 }
 
 /// `effect` at the size, within its usual range and with its sign, whose omission from `scenario` costs
-/// `target` points, and the cost that was reached. Effects that the scenario has already are replaced.
+/// `target` points, and the cost that was reached. Some effects cost more the smaller they are. Effects that the scenario has already are replaced.
 ///
 /// # Errors
 /// As [`fly`]; the target lies outside what the usual range can cost.
 pub fn size_for_loss(scenario: &Scenario, effect: &Setting, target: f64) -> Result<(Setting, f64), Error> {
     let cost = |size: f64| {
         let setting = effect.resized(size);
-        let flown = Scenario { effects: vec![setting.clone()], ..scenario.clone() };
+        let mut flown = scenario.clone();
+        flown.conceal(vec![setting.clone()]);
         cost_of_leaving_out(&flown).map(|cost| (setting, cost))
     };
     let entry = effect.entry();
     let [mut small, mut large] = entry.parameters[0].range;
-    let (at_small, at_large) = (cost(small)?, cost(large)?);
+    let (mut at_small, mut at_large) = (cost(small)?, cost(large)?);
+    if at_small.1 > at_large.1 {
+        (small, large, at_small, at_large) = (large, small, at_large, at_small);
+    }
     if target < at_small.1 || target > at_large.1 {
         return Err(Error::Unreachable { id: entry.id, low: at_small.1, high: at_large.1, target });
     }
@@ -163,14 +170,15 @@ pub enum Strength {
     Strong,
 }
 
-/// An effect for `scenario` drawn by its seed: which, with which sign, further parameters (log-uniform in
-/// their range), and how many points it costs. An effect that cannot cost that much gives way to the next.
+/// One of the effects `ids` for `scenario`, drawn by its seed: which, with which sign, further parameters
+/// (log-uniform in their range), and how many points it costs. An effect that cannot cost that much gives way
+/// to the next.
 ///
 /// # Errors
-/// As [`fly`]; no effect reaches the strength.
-pub fn draw_effect(scenario: &Scenario, strength: Strength) -> Result<(Setting, f64), Error> {
+/// As [`fly`]; an unknown id; no effect reaches the strength.
+pub fn draw_effect(scenario: &Scenario, ids: &[&str], strength: Strength) -> Result<(Setting, f64), Error> {
     let mut generator = generator(scenario.seed, Stream::Choice);
-    let mut entries: Vec<&'static Entry> = CATALOGUE.iter().collect();
+    let mut entries: Vec<&'static Entry> = ids.iter().map(|id| Entry::find(id)).collect::<Result<_, _>>()?;
     entries.shuffle(&mut generator);
     let target = match strength {
         Strength::Moderate => generator.random_range(3.0..7.0),

@@ -24,6 +24,8 @@ use crate::vehicle::SimulatedVehicle;
 pub struct Flight {
     /// What a rig would have logged.
     pub rows: Vec<Row>,
+    /// The command that was really sent at each row, rad; the log may show another one.
+    pub sent: Vec<f32>,
     /// The true state at each row.
     pub states: Vec<State>,
     /// How the test ended.
@@ -90,9 +92,15 @@ fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Er
     let length_s = f64::from(plan.closed_loop_s);
     let reference = ManualReference::drawn(length_s, &mut generator(seed, Stream::Reference));
     let aircraft = Aircraft::new(plant, effects, background.moment(seed), seed);
+    let log = Aircraft::new(plant, effects, None, seed);
     let mut vehicle = SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference);
+    if scenario.roll_yaw_logged || log.roll_yaw(0.0).is_some() {
+        vehicle = vehicle.logging_roll_yaw(generator(seed, Stream::RollYaw));
+    }
     let outcome = estimator_core::fly(&cycle, &mut state, &mut vehicle);
-    let (rows, states, events) = vehicle.into_log();
+    let (mut rows, states, events) = vehicle.into_log();
+    let sent: Vec<f32> = rows.iter().map(|row| row.u_rad).collect();
+    stamp_commands(&mut rows, &sent, |t| log.logged_at(t));
     let truth = Truth {
         schema: "pitchid.truth/1",
         seed,
@@ -111,7 +119,19 @@ fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Er
     let [low, high] = scenario.dwell_s;
     let comment =
         format!("pitch test: dwell {low} to {high} s, amplitude {} rad, seed {seed}", scenario.amplitude_rad);
-    Ok(Flight { rows, states, outcome, taps: *state.taps(), truth, comment })
+    Ok(Flight { rows, sent, states, outcome, taps: *state.taps(), truth, comment })
+}
+
+/// Logs at each row the command of another time; what the log would have to know before it was sent is cut off.
+fn stamp_commands(rows: &mut Vec<Row>, sent: &[f32], logged_at: impl Fn(f64) -> f64) {
+    let place = |t_s: f64| (logged_at(t_s) / SAMPLE_PERIOD_S + 1e-6).max(0.0) as usize;
+    let known = rows.iter().take_while(|row| place(row.t_s) < sent.len()).count();
+    rows.truncate(known);
+    for row in rows {
+        if let Some(command) = sent.get(place(row.t_s)) {
+            row.u_rad = *command;
+        }
+    }
 }
 
 impl BackgroundTruth {

@@ -41,7 +41,7 @@ pub mod sensors;
 pub mod vehicle;
 
 pub use calibrate::{cost_of_leaving_out, size_for_loss};
-pub use effects::{CATALOGUE, Setting};
+pub use effects::{CATALOGUE, OUTSIDE, Setting, UNTOUCHED};
 pub use error::Error;
 pub use flight::{Flight, fly};
 pub use plant::{Mount, Plant};

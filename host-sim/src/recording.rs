@@ -22,6 +22,8 @@ pub struct Row {
     pub supervised: bool,
     /// Reference of the controller, rad.
     pub theta_ref_rad: f32,
+    /// Roll rate (rad/s), yaw rate (rad/s) and roll angle (rad), where they are logged.
+    pub roll_yaw: Option<[f32; 3]>,
 }
 
 /// The recording as text, under a comment line. Numbers are written in full, so reading them back gives the
@@ -29,15 +31,22 @@ pub struct Row {
 #[must_use]
 pub fn to_csv(rows: &[Row], comment: &str) -> String {
     let mut text = format!("# {comment}\n");
-    text.push_str("t_s,u_rad,q_rad_s,theta_rad,qdot_rad_s2,section,supervised,theta_ref_rad\n");
+    text.push_str("t_s,u_rad,q_rad_s,theta_rad,qdot_rad_s2,section,supervised,theta_ref_rad");
+    let roll_yaw_logged = rows.iter().any(|row| row.roll_yaw.is_some());
+    text.push_str(if roll_yaw_logged { ",p_rad_s,r_rad_s,phi_rad\n" } else { "\n" });
     for row in rows {
-        let Row { t_s, u_rad, q_rad_s, theta_rad, qdot_rad_s2, section, supervised, theta_ref_rad } = row;
+        let Row { t_s, u_rad, q_rad_s, theta_rad, qdot_rad_s2, section, supervised, theta_ref_rad, .. } = row;
         let supervised = u8::from(*supervised);
         // writing to a string cannot fail
-        let _ = writeln!(
+        let _ = write!(
             text,
             "{t_s:.2},{u_rad},{q_rad_s},{theta_rad},{qdot_rad_s2},{section},{supervised},{theta_ref_rad}"
         );
+        if roll_yaw_logged {
+            let [p, r, phi] = row.roll_yaw.unwrap_or_default();
+            let _ = write!(text, ",{p},{r},{phi}");
+        }
+        text.push('\n');
     }
     text
 }
@@ -57,10 +66,14 @@ mod tests {
             section: Section::II,
             supervised: true,
             theta_ref_rad: 0.0,
+            roll_yaw: None,
         };
         let text = to_csv(&[row], "one row");
         let fields: Vec<&str> = text.lines().nth(2).unwrap().split(',').collect();
         assert_eq!(fields, ["12.34", "-0.015", "0.12345679", "-0.0000001", "3", "II", "1", "0"]);
         assert_eq!(fields[2].parse::<f32>().unwrap().to_bits(), row.q_rad_s.to_bits());
+        let text = to_csv(&[Row { roll_yaw: Some([0.1, -0.2, 0.3]), ..row }], "one row");
+        assert!(text.lines().nth(1).unwrap().ends_with(",theta_ref_rad,p_rad_s,r_rad_s,phi_rad"));
+        assert!(text.lines().nth(2).unwrap().ends_with(",1,0,0.1,-0.2,0.3"));
     }
 }

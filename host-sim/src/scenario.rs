@@ -57,6 +57,8 @@ pub struct Scenario {
     pub background: Background,
     /// Noise of the IMU.
     pub noise: Noise,
+    /// Whether roll and yaw are logged even where they are clamped, as noise; where they are free they always are.
+    pub roll_yaw_logged: bool,
     /// Durations of the sections.
     pub plan: PlanConfig,
 }
@@ -77,8 +79,17 @@ impl Scenario {
             effects: Vec::new(),
             background: Background::default(),
             noise: Noise::default(),
+            roll_yaw_logged: false,
             plan: PlanConfig::default(),
         })
+    }
+
+    /// Conceals `effects`. The plant loses its mount where one of them brings a mount of its own.
+    pub fn conceal(&mut self, effects: Vec<Setting>) {
+        if effects.iter().any(|effect| effect.entry().id == "imu_mount") {
+            self.plant = self.plant.rigid();
+        }
+        self.effects = effects;
     }
 
     /// Configuration of the core that flies it.
@@ -87,8 +98,9 @@ impl Scenario {
         let [dwell_min_s, dwell_max_s] = self.dwell_s;
         let prbs = PrbsConfig { amplitude_rad: self.amplitude_rad, dwell_min_s, dwell_max_s };
         let mut config = Config { seed: self.seed, prbs, plan: self.plan, ..Config::default() };
-        if self.noise.q_rad_s == 0.0 || self.noise.theta_rad == 0.0 {
-            // a sensor without noise looks frozen whenever the vehicle rests
+        let clips = self.effects.iter().any(Setting::clips);
+        if clips || self.noise.q_rad_s == 0.0 || self.noise.theta_rad == 0.0 {
+            // a sensor looks frozen at the end of its range, and without noise whenever the vehicle rests
             config.supervisor.frozen_samples = 0;
         }
         config

@@ -18,6 +18,8 @@ pub enum Stream {
     Choice = 5,
     /// Effects that are themselves random.
     Effect = 6,
+    /// Sensor noise about the other axes.
+    RollYaw = 7,
 }
 
 /// Generator of `stream` for `seed`.

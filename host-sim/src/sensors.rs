@@ -4,6 +4,8 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
+use crate::effects::RollYaw;
+
 /// Standard deviations of the noise, per sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Noise {
@@ -35,6 +37,14 @@ impl Noise {
         reading.theta += self.theta_rad * draw();
         reading.q_dot += self.qdot_rad_s2 * draw();
     }
+
+    /// Adds one sample of noise about the other axes: gyros and angles alike.
+    pub fn add_roll_yaw(&self, motion: &mut RollYaw, generator: &mut Pcg64) {
+        let mut draw = || -> f64 { StandardNormal.sample(generator) };
+        motion.p += self.q_rad_s * draw();
+        motion.r += self.q_rad_s * draw();
+        motion.phi += self.theta_rad * draw();
+    }
 }
 
 /// One reading of the IMU.
@@ -46,4 +56,6 @@ pub struct Reading {
     pub theta: f64,
     /// Pitch acceleration, rad/s².
     pub q_dot: f64,
+    /// Roll and yaw.
+    pub roll_yaw: RollYaw,
 }

@@ -4,6 +4,7 @@ use estimator_core::{Command, Input, Sample, Section, Telemetry, Vehicle};
 use rand_pcg::Pcg64;
 
 use crate::aircraft::{Aircraft, SAMPLE_PERIOD_S};
+use crate::effects::RollYaw;
 use crate::pilot::ManualReference;
 use crate::plant::State;
 use crate::recording::Row;
@@ -17,6 +18,7 @@ pub struct SimulatedVehicle {
     aircraft: Aircraft,
     noise: Noise,
     generator: Pcg64,
+    roll_yaw_generator: Option<Pcg64>,
     reference: ManualReference,
     closed_loop_ticks: u32,
     reading: Reading,
@@ -33,6 +35,7 @@ impl SimulatedVehicle {
             aircraft,
             noise,
             generator,
+            roll_yaw_generator: None,
             reference,
             closed_loop_ticks: 0,
             reading: Reading::default(),
@@ -40,6 +43,12 @@ impl SimulatedVehicle {
             states: Vec::new(),
             events: Vec::new(),
         }
+    }
+
+    /// Logs roll and yaw too, with noise from `generator`.
+    #[must_use]
+    pub fn logging_roll_yaw(self, generator: Pcg64) -> Self {
+        Self { roll_yaw_generator: Some(generator), ..self }
     }
 
     /// Rows of the recording, the true state at each of them, and the supervisor's transitions with their
@@ -54,6 +63,10 @@ impl Vehicle for SimulatedVehicle {
     fn sense(&mut self, tick: u32) -> Input {
         self.reading = self.aircraft.read();
         self.noise.add(&mut self.reading, &mut self.generator);
+        self.aircraft.limit(&mut self.reading);
+        if let Some(generator) = &mut self.roll_yaw_generator {
+            self.noise.add_roll_yaw(&mut self.reading.roll_yaw, generator);
+        }
         self.states.push(self.aircraft.state());
         let now_us = u64::from(tick) * TICK_US;
         let sample =
@@ -77,6 +90,7 @@ impl Vehicle for SimulatedVehicle {
             self.events.push((t_s, event.to_string()));
         }
         self.closed_loop_ticks += u32::from(telemetry.section == Section::IV);
+        let RollYaw { p, r, phi } = self.reading.roll_yaw;
         self.rows.push(Row {
             t_s,
             u_rad: telemetry.u_rad,
@@ -86,6 +100,7 @@ impl Vehicle for SimulatedVehicle {
             section: telemetry.section,
             supervised: telemetry.supervised,
             theta_ref_rad: telemetry.theta_ref_rad,
+            roll_yaw: self.roll_yaw_generator.as_ref().map(|_| [p as f32, r as f32, phi as f32]),
         });
     }
 }

@@ -119,8 +119,9 @@ fn a_size_is_found_for_a_given_cost() {
 #[test]
 fn a_drawn_effect_costs_what_its_strength_says() {
     let scenario = Scenario { background: Background::Clean, ..Scenario::campaign(4, 0.019, 8).unwrap() };
-    let (first, cost) = draw_effect(&scenario, Strength::Strong).unwrap();
+    let ids = ["servo_lag", "coulomb_friction", "gravity_stiffness"];
+    let (first, cost) = draw_effect(&scenario, &ids, Strength::Strong).unwrap();
     assert!((7.0..16.0).contains(&cost), "{first:?} costs {cost}");
-    let (again, _) = draw_effect(&scenario, Strength::Strong).unwrap();
+    let (again, _) = draw_effect(&scenario, &ids, Strength::Strong).unwrap();
     assert_eq!(format!("{first:?}"), format!("{again:?}"));
 }

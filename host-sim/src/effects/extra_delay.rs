@@ -7,6 +7,7 @@ pub(super) const ENTRY: Entry = Entry {
     locus: "timing",
     parameters: &[Parameter { name: "Delta", unit: "s", range: [0.01, 0.1], signed: true }],
     moderate_and_strong: [0.055, 0.086],
+    near: &[],
     make: |values, _| Box::new(ExtraDelay { delay_s: values[0] }),
 };
 

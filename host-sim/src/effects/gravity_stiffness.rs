@@ -8,6 +8,7 @@ pub(super) const ENTRY: Entry = Entry {
     locus: "pitch_moment",
     parameters: &[Parameter { name: "G", unit: "N m", range: [0.05, 1.5], signed: true }],
     moderate_and_strong: [0.13, 0.205],
+    near: &[],
     make: |values, _| Box::new(GravityStiffness { stiffness: values[0] }),
 };
 
@@ -17,7 +18,7 @@ struct GravityStiffness {
 }
 
 impl Effect for GravityStiffness {
-    fn moment(&self, _t: f64, x: &State) -> f64 {
+    fn moment(&self, _t: f64, x: &State, _blade: f64) -> f64 {
         -self.stiffness * x.theta.sin()
     }
 }

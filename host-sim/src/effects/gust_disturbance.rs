@@ -13,6 +13,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "T", unit: "s", range: [0.2, 3.0], signed: false },
     ],
     moderate_and_strong: [0.02, 0.026],
+    near: &[],
     make: |values, seed| {
         // a time constant of nought would be white: its moment is that of the grid
         let colour = Colour::FirstOrder { time_constant_s: values[1].max(1e-3) };
@@ -28,7 +29,7 @@ impl Effect for Gust {
         self.0.extend_to(t);
     }
 
-    fn moment(&self, t: f64, _x: &State) -> f64 {
+    fn moment(&self, t: f64, _x: &State, _blade: f64) -> f64 {
         self.0.at(t)
     }
 }

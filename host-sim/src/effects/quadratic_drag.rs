@@ -8,6 +8,7 @@ pub(super) const ENTRY: Entry = Entry {
     locus: "pitch_moment",
     parameters: &[Parameter { name: "D", unit: "N m s²/rad²", range: [0.1, 1.0], signed: false }],
     moderate_and_strong: [1.0, 1.0],
+    near: &[],
     make: |values, _| Box::new(QuadraticDrag { drag: values[0] }),
 };
 
@@ -17,7 +18,7 @@ struct QuadraticDrag {
 }
 
 impl Effect for QuadraticDrag {
-    fn moment(&self, _t: f64, x: &State) -> f64 {
+    fn moment(&self, _t: f64, x: &State, _blade: f64) -> f64 {
         -self.drag * x.q * x.q.abs()
     }
 }

@@ -8,6 +8,7 @@ pub(super) const ENTRY: Entry = Entry {
     locus: "actuator",
     parameters: &[Parameter { name: "M0", unit: "N m", range: [0.005, 0.15], signed: true }],
     moderate_and_strong: [0.15, 0.15],
+    near: &[],
     make: |values, _| Box::new(TrimOffset { moment: values[0] }),
 };
 
@@ -17,7 +18,7 @@ struct TrimOffset {
 }
 
 impl Effect for TrimOffset {
-    fn moment(&self, _t: f64, _x: &State) -> f64 {
+    fn moment(&self, _t: f64, _x: &State, _blade: f64) -> f64 {
         self.moment
     }
 }

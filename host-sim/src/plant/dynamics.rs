@@ -5,6 +5,8 @@
 //! J   q̇P = −k (θP−θ) − c (qP−q)              θ̇ = q,  θ̇P = qP
 //! ```
 //!
+//! In free flight θ̇ = q cos φ − r sin φ, and θ̇P alike.
+//!
 //! ua: what the blades do over the step, rad; Mi: moments of the effects and of the disturbance, N m; Mf: dry
 //! friction, Mc sign q in motion, and at rest whatever holds the airframe, up to Mc.
 //!
@@ -12,6 +14,7 @@
 //! would carry q through zero is cut at the crossing; there the airframe sticks if the other moments stay
 //! within Mc, and goes on in their direction if not. No smoothing, no velocity threshold.
 
+use crate::effects::RollYaw;
 use crate::plant::{Mount, Plant};
 
 /// x = (q, qP, θ, θP), rad/s and rad: airframe, and IMU on its mount.
@@ -48,6 +51,8 @@ pub struct Loads<'a> {
     pub dry_friction: f64,
     /// Σ Mi (N m) at a state.
     pub moment: &'a dyn Fn(&State) -> f64,
+    /// Motion about the other axes: θ̇ = q cos φ − r sin φ.
+    pub roll_yaw: RollYaw,
 }
 
 impl Loads<'_> {
@@ -67,12 +72,11 @@ impl Loads<'_> {
 
     fn with_mount(&self, x: &State, q_dot: f64) -> State {
         let q_p_dot = self.plant.mount.map_or(q_dot, |m| -mount_moment(&self.plant, x) / m.j);
-        State {
-            q: q_dot,
-            q_p: q_p_dot,
-            theta: x.q,
-            theta_p: if self.plant.mount.is_some() { x.q_p } else { x.q },
-        }
+        let q_p = if self.plant.mount.is_some() { x.q_p } else { x.q };
+        let RollYaw { r, phi, .. } = self.roll_yaw;
+        let (sine, cosine) = phi.sin_cos();
+        let angle_rate = |q: f64| q * cosine - r * sine;
+        State { q: q_dot, q_p: q_p_dot, theta: angle_rate(x.q), theta_p: angle_rate(q_p) }
     }
 
     /// ẋ as an accelerometer at the IMU would have it.
@@ -150,7 +154,7 @@ mod tests {
     }
 
     fn loads(plant: Plant, blade: f64, dry_friction: f64) -> Loads<'static> {
-        Loads { plant, blade, dry_friction, moment: &|_| 0.0 }
+        Loads { plant, blade, dry_friction, moment: &|_| 0.0, roll_yaw: RollYaw::default() }
     }
 
     #[test]

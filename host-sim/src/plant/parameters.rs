@@ -56,6 +56,12 @@ impl Plant {
         }
     }
 
+    /// The same plant with the IMU fixed to the airframe.
+    #[must_use]
+    pub const fn rigid(self) -> Self {
+        Self { mount: None, ..self }
+    }
+
     /// A true plant around the nominal one, drawn by `seed`: ∂M/∂q and ∂M/∂u uniform within ±30 %, mount mode
     /// uniform in 8..25 Hz, damping ratio uniform in 0.1..0.7. Inertia, delay and J stay nominal.
     #[must_use]

@@ -50,6 +50,17 @@ Exit status: 0 the demonstration ran, whether or not the diagnosis was right; 2 
 const CAMPAIGN: usize = 4;
 const AMPLITUDE_RAD: f32 = 0.015;
 
+/// What may be concealed: effects whose names say what they are.
+const DRAWN: [&str; 7] = [
+    "servo_lag",
+    "trim_offset",
+    "coulomb_friction",
+    "quadratic_drag",
+    "gravity_stiffness",
+    "extra_delay",
+    "gust_disturbance",
+];
+
 /// The files of a demonstration.
 struct Files<'a>(&'a Path);
 
@@ -92,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn conceal_and_fly(seed: u64, files: &Files<'_>) -> Result<(), Failure> {
     let mut scenario = Scenario::campaign(CAMPAIGN, AMPLITUDE_RAD, seed)?;
     scenario.plant = Plant::drawn(seed);
-    let (effect, _) = draw_effect(&scenario, Strength::Strong)?;
+    let (effect, _) = draw_effect(&scenario, &DRAWN, Strength::Strong)?;
     scenario.effects = vec![effect];
     let flight = fly(&scenario)?;
     flight.write_recording(&files.named("recording.csv"))?;
