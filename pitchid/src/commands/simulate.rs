@@ -4,7 +4,8 @@ use crate::failure::Failure;
 use crate::output;
 use clap::{Args, ValueEnum};
 use estimator_core::Phase;
-use host_sim::{Background, CATALOGUE, Flight, Mount, Plant, Scenario, Setting, fly};
+use host_sim::effects::{Entry, Parameter};
+use host_sim::{Background, CATALOGUE, Flight, Mount, OUTSIDE, Plant, Scenario, Setting, UNTOUCHED, fly};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use sysid::diagnosis::baseline::read_model;
@@ -92,20 +93,41 @@ impl EffectSpec {
 }
 
 fn after_help() -> String {
-    let effects = CATALOGUE.iter().map(|entry| {
-        let parameters: Vec<String> =
-            entry.parameters.iter().map(|p| format!("{} {}", p.name, p.unit)).collect();
-        format!("  {:<20} {}\n", entry.id, parameters.join(", "))
-    });
+    let outside = OUTSIDE.iter().chain(UNTOUCHED);
     format!(
-        "Effects and their parameters:\n{}\n\
+        "Effects and their parameters, with the usual range of magnitudes (± where negative values are usual too):\n{}\
+         imu_mount replaces the vehicle's own mount: diagnose it against a model without one.\n\n\
+         Outside the catalogue, to try what a diagnosis says of physics that it has no name for:\n{}\n\
          Examples:\n  \
          pitchid simulate --out nominal.csv\n  \
          pitchid simulate --effect coulomb_friction:Mc=0.1 --seed 7 --out friction.csv --truth friction.json\n  \
+         pitchid simulate --effect gyro_lag --effect end_stop:ks=3,theta_s=0.2 --out two.csv\n  \
          pitchid simulate --model extended.toml --background paper --out again.csv\n\n\
          Exit status: 0 the test was flown, however it ended; 2 the arguments could not be used.",
-        effects.collect::<String>()
+        grouped(CATALOGUE),
+        outside.map(line).collect::<String>()
     )
+}
+
+/// The catalogue, by place in the loop.
+fn grouped(entries: &[Entry]) -> String {
+    let places = ["actuator", "pitch_moment", "timing", "sensor", "environment"];
+    let group = |place: &str| -> String {
+        let lines = entries.iter().filter(|entry| entry.locus == place).map(line);
+        format!(" {}\n{}", place.replace('_', " "), lines.collect::<String>())
+    };
+    places.map(group).concat()
+}
+
+fn line(entry: &Entry) -> String {
+    let parameters: Vec<String> = entry.parameters.iter().map(parameter).collect();
+    format!("  {:<26} {}\n", entry.id, parameters.join(", "))
+}
+
+fn parameter(p: &Parameter) -> String {
+    let sign = if p.signed { "±" } else { "" };
+    let unit = if p.unit == "-" { String::new() } else { format!(" {}", p.unit) };
+    format!("{} {sign}{}..{}{unit}", p.name, p.range[0], p.range[1])
 }
 
 /// Simulates.
@@ -131,14 +153,16 @@ fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
         Level::Lab => Background::Lab,
         Level::Paper => Background::Paper,
     };
+    let mut concealed = Vec::new();
     if let Some(path) = &arguments.model {
         let model = read_model(path)?;
         scenario.plant = plant(&model, &path.display().to_string())?;
-        scenario.effects = effects(&model)?;
+        concealed = effects(&model)?;
     }
     for spec in &arguments.effects {
-        scenario.effects.push(spec.setting()?);
+        concealed.push(spec.setting()?);
     }
+    scenario.conceal(concealed);
     Ok(scenario)
 }
 
@@ -204,7 +228,7 @@ mod tests {
 
     #[test]
     fn every_effect_flies_at_its_usual_size() {
-        for entry in CATALOGUE {
+        for entry in host_sim::effects::every() {
             assert!(entry.id.parse::<EffectSpec>().unwrap().setting().is_ok());
         }
     }
