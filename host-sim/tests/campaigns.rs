@@ -2,8 +2,9 @@
 
 use estimator_core::{Phase, Section};
 use host_sim::calibrate::{Strength, draw_effect, simulate, vaf};
+use host_sim::effects::every;
 use host_sim::sensors::Noise;
-use host_sim::{Background, CATALOGUE, Plant, Scenario, Setting, fly, size_for_loss};
+use host_sim::{Background, Plant, Scenario, Setting, fly, size_for_loss};
 
 const EXCITED: [Section; 3] = [Section::I, Section::II, Section::III];
 
@@ -60,7 +61,7 @@ fn the_background_leaves_the_true_model_what_it_promises() {
 
 #[test]
 fn without_noise_and_background_the_true_model_is_exact() {
-    for entry in CATALOGUE {
+    for entry in every() {
         let effects = vec![Setting::usual(entry.id, false).unwrap()];
         let (background, noise) = (Background::None, Noise::none());
         let scenario = Scenario { effects, background, noise, ..Scenario::campaign(4, 0.015, 5).unwrap() };

@@ -4,6 +4,7 @@
 
 use rand::RngExt;
 use rand_pcg::Pcg64;
+use std::cell::Cell;
 use std::f64::consts::TAU;
 
 use super::{Effect, Entry, Parameter, RollYaw};
@@ -20,7 +21,7 @@ pub(super) const ENTRY: Entry = Entry {
         let mut generator = generator(seed, Stream::Effect);
         let rolling = tones(&mut generator, [4.0, 9.0]);
         let yawing = tones(&mut generator, [2.0, 8.0]);
-        Box::new(GyroscopicCoupling { difference: values[0], rolling, yawing })
+        Box::new(GyroscopicCoupling { difference: values[0], rolling, yawing, last: Cell::default() })
     },
 };
 
@@ -40,6 +41,22 @@ struct GyroscopicCoupling {
     difference: f64,
     rolling: [Tone; TONES],
     yawing: [Tone; TONES],
+    /// The last time that was asked for; an integration step asks several times.
+    last: Cell<(f64, Option<RollYaw>)>,
+}
+
+impl GyroscopicCoupling {
+    fn at(&self, t: f64) -> RollYaw {
+        if let (asked, Some(known)) = self.last.get()
+            && asked == t
+        {
+            return known;
+        }
+        let (p, phi) = motion(&self.rolling, t);
+        let (r, _) = motion(&self.yawing, t);
+        self.last.set((t, Some(RollYaw { p, r, phi })));
+        RollYaw { p, r, phi }
+    }
 }
 
 fn tones(generator: &mut Pcg64, [low, high]: [f64; 2]) -> [Tone; TONES] {
@@ -60,14 +77,11 @@ fn motion(tones: &[Tone; TONES], t: f64) -> (f64, f64) {
 
 impl Effect for GyroscopicCoupling {
     fn roll_yaw(&self, t: f64) -> Option<RollYaw> {
-        let (p, phi) = motion(&self.rolling, t);
-        let (r, _) = motion(&self.yawing, t);
-        Some(RollYaw { p, r, phi })
+        Some(self.at(t))
     }
 
     fn moment(&self, t: f64, _x: &State, _blade: f64) -> f64 {
-        let (p, _) = motion(&self.rolling, t);
-        let (r, _) = motion(&self.yawing, t);
+        let RollYaw { p, r, .. } = self.at(t);
         self.difference * p * r
     }
 }

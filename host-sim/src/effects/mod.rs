@@ -35,6 +35,7 @@ mod inertia_step;
 mod inflow_lag;
 mod linkage_backlash;
 mod oscillator;
+mod outside;
 mod quadratic_drag;
 mod servo_deadband;
 mod servo_lag;
@@ -44,6 +45,7 @@ mod setting;
 mod structural_mode;
 mod thrust_curve;
 mod trim_offset;
+mod untouched;
 
 use std::fmt;
 
@@ -83,10 +85,26 @@ pub const CATALOGUE: &[Entry] = &[
 ];
 
 /// Physics that no catalogue has.
-pub const OUTSIDE: &[Entry] = &[];
+pub const OUTSIDE: &[Entry] = &[
+    outside::stribeck_friction::ENTRY,
+    outside::hysteretic_spring::ENTRY,
+    outside::ground_effect::ENTRY,
+    outside::angle_damping::ENTRY,
+    outside::asymmetric_thrust::ENTRY,
+    outside::rate_dependent_thrust::ENTRY,
+    outside::servo_resonance::ENTRY,
+    outside::command_quantiser::ENTRY,
+    outside::missed_frames::ENTRY,
+    outside::intermittent_delay::ENTRY,
+    outside::vibration_rectification::ENTRY,
+    outside::periodic_moment::ENTRY,
+    outside::gust_burst::ENTRY,
+    outside::moment_window::ENTRY,
+];
 
 /// Physics that no catalogue has, and that nobody tunes a diagnosis on.
-pub const UNTOUCHED: &[Entry] = &[];
+pub const UNTOUCHED: &[Entry] =
+    &[untouched::slung_load::ENTRY, untouched::voltage_droop::ENTRY, untouched::local_friction::ENTRY];
 
 /// Every effect that the simulator knows: catalogue, outside, untouched.
 pub fn every() -> impl Iterator<Item = &'static Entry> {
