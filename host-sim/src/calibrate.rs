@@ -6,7 +6,7 @@
 //! least squares. The cost is the mean over the held-out sections III and IV of VAF(a) − VAF(b). A gust counts
 //! as known in (a): it is what the plain plant misses.
 
-use estimator_core::Section;
+use estimator_core::{Phase, Section};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
@@ -112,11 +112,16 @@ pub fn refit(flight: &Flight, plant: Plant) -> Plant {
 /// # Errors
 /// As [`fly`].
 pub fn cost_of_leaving_out(scenario: &Scenario) -> Result<f64, Error> {
-    let flight = fly(scenario)?;
-    let with = simulate(scenario.plant, &scenario.effects, scenario.seed, &flight);
-    let without = simulate(refit(&flight, scenario.plant), &[], scenario.seed, &flight);
-    let lost = HELD_OUT.map(|section| vaf(&flight, &with, section) - vaf(&flight, &without, section));
-    Ok(lost.iter().sum::<f64>() / lost.len() as f64)
+    Ok(cost_in(scenario, &fly(scenario)?))
+}
+
+/// The same for a test that was flown already.
+#[must_use]
+pub fn cost_in(scenario: &Scenario, flight: &Flight) -> f64 {
+    let with = simulate(scenario.plant, &scenario.effects, scenario.seed, flight);
+    let without = simulate(refit(flight, scenario.plant), &[], scenario.seed, flight);
+    let lost = HELD_OUT.map(|section| vaf(flight, &with, section) - vaf(flight, &without, section));
+    lost.iter().sum::<f64>() / lost.len() as f64
 }
 
 /// `effect` at the size, within its usual range and with its sign, whose omission from `scenario` costs
@@ -161,6 +166,51 @@ pub fn size_for_loss(scenario: &Scenario, effect: &Setting, target: f64) -> Resu
     Ok(best)
 }
 
+/// `effect` at the size, among some within its usual range and with its sign, at which the test ends as it
+/// should and whose omission costs nearest to `target` points; with that cost, or none where every size breaks
+/// the test off. For effects whose cost is uneven in their size, or cannot reach the target.
+///
+/// # Errors
+/// As [`fly`].
+pub fn nearest_for_loss(
+    scenario: &Scenario,
+    effect: &Setting,
+    target: f64,
+) -> Result<Option<(Setting, f64)>, Error> {
+    const COARSE: u32 = 5;
+    const FINE: u32 = 3;
+    let [small, large] = effect.entry().parameters[0].range;
+    let mut tried: Vec<(f64, f64)> = Vec::new();
+    let mut best: Option<(f64, f64)> = None;
+    let distance = |(_, cost): (f64, f64)| (cost - target).abs();
+    for step in 0..COARSE + FINE {
+        let size = if step < COARSE {
+            small * (large / small).powf(f64::from(step) / f64::from(COARSE - 1))
+        } else {
+            // between two sizes that cost less and more
+            tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let around = tried.windows(2).find(|pair| (pair[0].1 < target) != (pair[1].1 < target));
+            let Some(&[(below, _), (above, _)]) = around else { break };
+            (below * above).sqrt()
+        };
+        let mut flown = scenario.clone();
+        flown.conceal(vec![effect.resized(size)]);
+        let flight = fly(&flown)?;
+        if flight.outcome != Phase::Done {
+            continue;
+        }
+        let cost = cost_in(&flown, &flight);
+        tried.push((size, cost));
+        if best.is_none_or(|known| distance((size, cost)) < distance(known)) {
+            best = Some((size, cost));
+        }
+        if best.is_some_and(|known| distance(known) < 0.15 * target) {
+            break;
+        }
+    }
+    Ok(best.map(|(size, cost)| (effect.resized(size), cost)))
+}
+
 /// How much an effect is to cost.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Strength {
@@ -168,6 +218,17 @@ pub enum Strength {
     Moderate,
     /// 8 to 15 points.
     Strong,
+}
+
+impl Strength {
+    /// From and to, points of VAF on held-out sections.
+    #[must_use]
+    pub const fn points(self) -> (f64, f64) {
+        match self {
+            Self::Moderate => (3.0, 7.0),
+            Self::Strong => (8.0, 15.0),
+        }
+    }
 }
 
 /// One of the effects `ids` for `scenario`, drawn by its seed: which, with which sign, further parameters
@@ -180,10 +241,8 @@ pub fn draw_effect(scenario: &Scenario, ids: &[&str], strength: Strength) -> Res
     let mut generator = generator(scenario.seed, Stream::Choice);
     let mut entries: Vec<&'static Entry> = ids.iter().map(|id| Entry::find(id)).collect::<Result<_, _>>()?;
     entries.shuffle(&mut generator);
-    let target = match strength {
-        Strength::Moderate => generator.random_range(3.0..7.0),
-        Strength::Strong => generator.random_range(8.0..15.0),
-    };
+    let (low, high) = strength.points();
+    let target = generator.random_range(low..high);
     for entry in entries {
         let mut draw = |[low, high]: [f64; 2]| low * (high / low).powf(generator.random());
         let mut values: Vec<f64> = entry.parameters.iter().map(|p| draw(p.range)).collect();

@@ -63,6 +63,14 @@ pub enum Error {
         /// Cost asked for, points.
         target: f64,
     },
+    /// Whatever was drawn, the supervisor broke the test off.
+    #[error("case {seed}: no attempt to conceal {ids} ended as a test should")]
+    AlwaysBrokenOff {
+        /// Seed of the case.
+        seed: u64,
+        /// What was to be concealed.
+        ids: String,
+    },
     /// A file could not be written.
     #[error("cannot write {}: {source}", path.display())]
     Write {

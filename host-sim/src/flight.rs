@@ -101,13 +101,14 @@ fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Er
     let (mut rows, states, events) = vehicle.into_log();
     let sent: Vec<f32> = rows.iter().map(|row| row.u_rad).collect();
     stamp_commands(&mut rows, &sent, |t| log.logged_at(t));
+    let end_s = rows.last().map_or(0.0, |row| row.t_s);
     let truth = Truth {
         schema: "pitchid.truth/1",
         seed,
         dwell_s: scenario.dwell_s,
         amplitude_rad: scenario.amplitude_rad,
         plant,
-        effects: effects.iter().map(SettingTruth::from).collect(),
+        effects: effects.iter().map(|setting| SettingTruth::new(setting, end_s)).collect(),
         background,
         noise,
         outcome: match outcome {

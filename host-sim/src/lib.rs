@@ -22,6 +22,7 @@
 //! | [`effects`] | physics that can be concealed, one file each |
 //! | [`aircraft`] | delay, effects and plant over one tick |
 //! | [`disturbance`], [`sensors`], [`pilot`] | coloured moments, measurement noise, the pilot |
+//! | [`trial`] | a case of a proof, drawn by a seed: what is concealed, how large, before which background |
 //! | [`calibrate`] | what an effect costs a model that leaves it out, and the size for a given cost |
 //!
 //! Everything random hangs on the scenario's seed: the same scenario gives the same bytes.
@@ -38,6 +39,7 @@ pub mod recording;
 pub mod scenario;
 pub mod seeds;
 pub mod sensors;
+pub mod trial;
 pub mod vehicle;
 
 pub use calibrate::{cost_of_leaving_out, size_for_loss};

@@ -4,7 +4,7 @@ use estimator_core::Config;
 use estimator_core::constants::CAMPAIGN_DWELL_S;
 use estimator_core::plan::PlanConfig;
 use estimator_core::prbs::PrbsConfig;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::effects::Setting;
 use crate::error::Error;
@@ -13,7 +13,7 @@ use crate::sensors::Noise;
 
 /// How much of the pitch rate nothing in the model causes: a band-passed moment, sized so that the true model,
 /// simulated along the recorded input, reaches a given VAF in sections I to III.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Background {
     /// No moment at all; only for tests, no vehicle is like that.

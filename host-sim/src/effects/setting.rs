@@ -102,7 +102,7 @@ pub struct SettingTruth {
     id: &'static str,
     locus: &'static str,
     parameters: Vec<ParameterTruth>,
-    /// The effect is not there outside it, s; to the end of the test where the second is null.
+    /// The effect is not there outside it, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     location_time_s: Option<[f64; 2]>,
 }
@@ -114,13 +114,14 @@ struct ParameterTruth {
     value: f64,
 }
 
-impl From<&Setting> for SettingTruth {
-    fn from(setting: &Setting) -> Self {
+impl SettingTruth {
+    /// The setting in a test that ended at `end_s`.
+    pub(crate) fn new(setting: &Setting, end_s: f64) -> Self {
         let parameters = setting
             .parameters()
             .map(|(p, value)| ParameterTruth { name: p.name, unit: p.unit, value })
             .collect();
-        let location_time_s = setting.build(0).window_s();
+        let location_time_s = setting.build(0).window_s().map(|window| window.map(|t| t.min(end_s)));
         Self { id: setting.entry.id, locus: setting.entry.locus, parameters, location_time_s }
     }
 }
