@@ -59,9 +59,19 @@ pub struct Concealed {
     pub flight: Flight,
     /// What leaving everything out costs, points of VAF on held-out sections.
     pub cost_points: f64,
+    /// How large that is: `moderate` from 2 points on, `strong` from 8 on, `weak` below. What no VAF shows has the
+    /// size that was asked for. Empty where nothing is concealed.
+    pub size: &'static str,
     /// VAF (%) of the true model by section, without noise and background.
     pub true_vaf_percent: Vec<(String, f64)>,
 }
+
+/// Effects that no VAF of the rate shows: it takes the mean out, and a gain hides in ∂M/∂u. Their sizes are shares
+/// of the usual range, on a logarithmic scale.
+const UNSEEN: [&str; 2] = ["gyro_bias", "gyro_scale"];
+/// Costs from which on a case counts as moderate and as strong, points.
+const MODERATE_POINTS: f64 = 2.0;
+const STRONG_POINTS: f64 = 8.0;
 
 /// Attempts to draw parameters with which an effect costs what it should.
 const DRAWS: usize = 3;
@@ -128,7 +138,7 @@ impl Trial {
                 scenario.conceal(settings);
                 let flight = fly(&scenario)?;
                 if flight.outcome == Phase::Done {
-                    return Ok(Concealed::new(scenario, flight));
+                    return Ok(Concealed::new(scenario, flight, self.strength));
                 }
             }
             if self.kind == Kind::Pair {
@@ -143,6 +153,14 @@ impl Trial {
     fn sized(&mut self, entry: &'static Entry) -> Result<Option<Setting>, Error> {
         let (low, high) = self.strength.points();
         let target = self.generator.random_range(low..high);
+        if UNSEEN.contains(&entry.id) {
+            let share = match self.strength {
+                Strength::Moderate => self.generator.random_range(0.3..0.65),
+                Strength::Strong => self.generator.random_range(0.65..1.0),
+            };
+            let [small, large] = entry.parameters[0].range;
+            return Ok(Some(self.drawn(entry).resized(small * (large / small).powf(share))));
+        }
         let mut best: Option<(Setting, f64)> = None;
         for _ in 0..DRAWS {
             let setting = self.drawn(entry);
@@ -179,7 +197,7 @@ fn pair(generator: &mut Pcg64) -> Vec<&'static Entry> {
 }
 
 impl Concealed {
-    fn new(scenario: Scenario, flight: Flight) -> Self {
+    fn new(scenario: Scenario, flight: Flight, asked: Strength) -> Self {
         let simulated = simulate(scenario.plant, &scenario.effects, scenario.seed, &flight);
         let mut sections = Vec::new();
         for row in &flight.rows {
@@ -190,7 +208,16 @@ impl Concealed {
         let of = |section| (format!("{section}"), vaf(&flight, &simulated, section));
         let true_vaf_percent = sections.into_iter().map(of).collect();
         let cost_points = if scenario.effects.is_empty() { 0.0 } else { cost_in(&scenario, &flight) };
-        Self { scenario, flight, cost_points, true_vaf_percent }
+        let unseen = scenario.effects.iter().all(|effect| UNSEEN.contains(&effect.entry().id));
+        let size = match (unseen, asked) {
+            _ if scenario.effects.is_empty() => "",
+            (true, Strength::Moderate) => "moderate",
+            (true, Strength::Strong) => "strong",
+            _ if cost_points >= STRONG_POINTS => "strong",
+            _ if cost_points >= MODERATE_POINTS => "moderate",
+            _ => "weak",
+        };
+        Self { scenario, flight, cost_points, size, true_vaf_percent }
     }
 }
 

@@ -26,7 +26,7 @@ pub(super) const ENTRY: Entry = Entry {
 };
 
 /// Effective value of p and of r, rad/s: a machine that is flown about.
-const RATE_RAD_S: f64 = 0.8;
+const RATE_RAD_S: f64 = 0.45;
 const TONES: usize = 6;
 
 /// One tone of a rate.

@@ -112,7 +112,7 @@ fn conceal_and_fly(seed: u64, files: &Files<'_>) -> Result<(), Failure> {
 }
 
 /// The model that a user has before the first flight: numbers from blade-element theory and the data sheet.
-fn nominal() -> ModelFile {
+pub(super) fn nominal() -> ModelFile {
     let plant = PlantSection {
         inertia_kg_m2: 0.1705,
         delay_s: Some(0.06),

@@ -3,6 +3,7 @@
 mod demo;
 mod diagnose;
 mod identify;
+mod prove;
 mod reading;
 mod simulate;
 
@@ -24,6 +25,7 @@ Examples:
   pitchid diagnose flight.csv --model sim.toml --report flight.html
   pitchid identify test1.csv test2.csv --out-model fitted.toml
   pitchid simulate --effect coulomb_friction:Mc=0.1 --out friction.csv
+  pitchid prove                                       conceal, seal, diagnose, count: how often it is right
 
 Exit status:
   0  the question was answered, whatever the answer is
@@ -34,6 +36,7 @@ enum Command {
     Demo(demo::Arguments),
     Diagnose(diagnose::Arguments),
     Identify(identify::Arguments),
+    Prove(prove::Arguments),
     Simulate(simulate::Arguments),
 }
 
@@ -46,6 +49,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Prove(arguments) => prove::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
     }
 }

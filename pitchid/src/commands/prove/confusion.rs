@@ -1,0 +1,176 @@
+//! What was concealed against what was answered, as a picture.
+
+use super::judge::Outcome;
+use host_sim::effects::{CATALOGUE, every};
+use host_sim::trial::Kind;
+use std::fmt::Write as _;
+
+/// Side of a cell, CSS pixels.
+const CELL: usize = 22;
+/// Room for the names, CSS pixels.
+const NAMES: usize = 190;
+
+/// Rows and columns with counts.
+struct Matrix {
+    rows: Vec<&'static str>,
+    columns: Vec<&'static str>,
+    counts: Vec<Vec<usize>>,
+}
+
+const NOTHING: &str = "(nothing)";
+/// Answers without a name of their own.
+const OTHERS: [&str; 5] =
+    ["ambiguous, right among ≤ 3", "ambiguous, wrong", "unlisted", "no_mismatch", "not_excited"];
+
+impl Matrix {
+    /// Single effects, nothing, and what is outside; pairs have no place in it.
+    fn new(outcomes: &[Outcome]) -> Self {
+        let mut rows: Vec<&str> = every().map(|entry| entry.id).collect();
+        rows.insert(CATALOGUE.len(), NOTHING);
+        let columns: Vec<&str> = CATALOGUE.iter().map(|entry| entry.id).chain(OTHERS).collect();
+        let mut counts = vec![vec![0; columns.len()]; rows.len()];
+        for outcome in outcomes.iter().filter(|o| o.kind != Kind::Pair) {
+            let concealed = outcome.ids.first().map_or(NOTHING, String::as_str);
+            let row = rows.iter().position(|row| *row == concealed);
+            let column = columns.iter().position(|column| *column == answered(outcome));
+            if let Some(count) = row.zip(column).and_then(|(r, c)| counts.get_mut(r)?.get_mut(c)) {
+                *count += 1;
+            }
+        }
+        let seen: Vec<bool> = counts.iter().map(|row: &Vec<usize>| row.iter().any(|n| *n > 0)).collect();
+        let keep = |i: &usize| seen[*i];
+        let rows_seen = (0..rows.len()).filter(keep).map(|i| rows[i]).collect();
+        let counts = (0..rows.len()).filter(keep).map(|i| counts[i].clone()).collect();
+        Self { rows: rows_seen, columns, counts }
+    }
+}
+
+/// The column of an answer.
+fn answered(outcome: &Outcome) -> &str {
+    match outcome.verdict.as_str() {
+        "named" => outcome.listed.first().map_or("", String::as_str),
+        "ambiguous" if outcome.among_three => OTHERS[0],
+        "ambiguous" => OTHERS[1],
+        other => other,
+    }
+}
+
+/// The picture.
+pub fn svg(outcomes: &[Outcome]) -> String {
+    let matrix = Matrix::new(outcomes);
+    let (width, height) = (NAMES + CELL * matrix.columns.len() + 8, NAMES + CELL * matrix.rows.len() + 8);
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
+         aria-label=\"What was concealed (rows) against what was answered (columns)\" font-size=\"11\">"
+    );
+    for (c, name) in matrix.columns.iter().enumerate() {
+        let (x, y) = (NAMES + c * CELL + CELL / 2 + 4, NAMES - 6);
+        push(
+            &mut out,
+            format_args!(
+                "<text x=\"{x}\" y=\"{y}\" transform=\"rotate(-60 {x} {y})\" class=\"name\">{name}</text>"
+            ),
+        );
+    }
+    for (r, name) in matrix.rows.iter().enumerate() {
+        let y = NAMES + r * CELL;
+        push(
+            &mut out,
+            format_args!(
+                "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" class=\"name\">{name}</text>",
+                NAMES - 8,
+                y + CELL / 2 + 4
+            ),
+        );
+        let whole: usize = matrix.counts[r].iter().sum();
+        for (c, count) in matrix.counts[r].iter().enumerate() {
+            cell(&mut out, [NAMES + c * CELL, y], *count, whole, is_right(name, matrix.columns[c]));
+        }
+    }
+    out.push_str("</svg>");
+    out
+}
+
+/// Whether this answer is what one hopes for.
+fn is_right(concealed: &str, answer: &str) -> bool {
+    if CATALOGUE.iter().any(|entry| entry.id == concealed) {
+        return concealed == answer || answer == OTHERS[0];
+    }
+    answer == if concealed == NOTHING { "no_mismatch" } else { "unlisted" }
+}
+
+/// One cell: the darker, the larger its share of the row; blue where the answer is right.
+fn cell(out: &mut String, [x, y]: [usize; 2], count: usize, whole: usize, right: bool) {
+    let side = CELL - 2;
+    let share = count as f64 / whole.max(1) as f64;
+    let class = if right { "right" } else { "wrong" };
+    push(
+        out,
+        format_args!(
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"cell\"/>"
+        ),
+    );
+    if right && count == 0 {
+        push(
+            out,
+            format_args!(
+                "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"goal\"/>"
+            ),
+        );
+    }
+    if count > 0 {
+        let opacity = 0.25 + 0.75 * share;
+        push(
+            out,
+            format_args!(
+                "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"{class}\" fill-opacity=\"{opacity:.2}\"/>\
+             <text x=\"{}\" y=\"{}\" text-anchor=\"middle\" class=\"{}\">{count}</text>",
+                x + side / 2,
+                y + side / 2 + 4,
+                if share > 0.4 { "on" } else { "name" }
+            ),
+        );
+    }
+}
+
+fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
+    // writing to a string cannot fail
+    let _ = out.write_fmt(text);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::judge::judge;
+    use super::super::judge::tests::{beside, said, truth};
+    use super::*;
+
+    #[test]
+    fn every_case_but_a_pair_is_counted_once_in_its_place() {
+        let of = |kind: &str, ids: &[&str], verdict: &str, answer: &[&str]| {
+            judge(&truth(kind, ids, "lab"), Some(&said(verdict, answer, &[])), &beside(&[]))
+        };
+        let outcomes = [
+            of("effect", &["servo_lag"], "named", &["servo_lag"]),
+            of("effect", &["servo_lag"], "named", &["gyro_lag"]),
+            of("effect", &["servo_lag"], "ambiguous", &["servo_lag"]),
+            of("nothing", &[], "no_mismatch", &[]),
+            of("outside", &["moment_window"], "unlisted", &["unlisted"]),
+            of("pair", &["servo_lag", "gyro_lag"], "named", &["servo_lag"]),
+        ];
+        let matrix = Matrix::new(&outcomes);
+        assert_eq!(matrix.rows, ["servo_lag", NOTHING, "moment_window"]);
+        let at = |row: &str, column: &str| {
+            let row = matrix.rows.iter().position(|r| *r == row).unwrap();
+            matrix.counts[row][matrix.columns.iter().position(|c| *c == column).unwrap()]
+        };
+        assert_eq!((at("servo_lag", "servo_lag"), at("servo_lag", "gyro_lag")), (1, 1));
+        assert_eq!((at("servo_lag", OTHERS[0]), at(NOTHING, "no_mismatch")), (1, 1));
+        assert_eq!(at("moment_window", "unlisted"), 1);
+        assert_eq!(matrix.counts.iter().flatten().sum::<usize>(), 5);
+        assert_eq!(
+            svg(&outcomes).matches("class=\"on\"").count()
+                + svg(&outcomes).matches("\"middle\" class=\"name\"").count(),
+            5
+        );
+    }
+}
