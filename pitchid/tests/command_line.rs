@@ -95,8 +95,11 @@ fn table(n: usize, change: impl Fn(usize, &mut Vec<String>)) -> String {
 fn help_version_and_no_arguments() {
     let bench = Bench::new();
     assert!(bench.answered(&["--version"]).starts_with("pitchid "));
-    assert_names(&bench.answered(&["--help"]), &["diagnose", "identify", "simulate", "demo", "Exit status"]);
-    for subcommand in ["diagnose", "identify", "simulate", "demo"] {
+    assert_names(
+        &bench.answered(&["--help"]),
+        &["diagnose", "identify", "simulate", "demo", "prove", "Exit status"],
+    );
+    for subcommand in ["diagnose", "identify", "simulate", "demo", "prove"] {
         assert_names(&bench.answered(&[subcommand, "--help"]), &["Examples:", "Exit status"]);
     }
     assert_names(&bench.refused(&[]), &["Usage"]);
@@ -309,4 +312,34 @@ fn real_recordings_are_answered() {
     assert_names(&printed, &["VAF", "IV (held out)"]);
     assert_eq!(bench.json("r.json")["fit"]["held_out"][0], "IV");
     assert!(bench.read("r.html").len() < 1_000_000);
+}
+
+#[test]
+fn a_proof_seals_resumes_and_does_not_hang_on_the_number_of_jobs() {
+    let bench = Bench::new();
+    let printed = bench.answered(&["prove", "--cases", "2", "--jobs", "2", "--out", "whole"]);
+    bench.answered(&["prove", "--cases", "1", "--jobs", "1", "--out", "parts"]);
+    assert_names(&bench.refused(&["prove", "--cases", "2", "--out", "parts"]), &["--resume"]);
+    let first = std::fs::metadata(bench.path("parts/cases/0000/answer.json")).unwrap().modified().unwrap();
+    bench.answered(&["prove", "--cases", "2", "--jobs", "1", "--out", "parts", "--resume"]);
+    let again = std::fs::metadata(bench.path("parts/cases/0000/answer.json")).unwrap().modified().unwrap();
+    assert_eq!(first, again, "a finished case is not done again");
+    let case = ["recording.csv", "model.toml", "truth.json", "answer.json", "beside.json"];
+    let cases = ["0000", "0001"].into_iter().flat_map(|n| case.map(|file| format!("cases/{n}/{file}")));
+    let results = ["seals.txt", "results.json", "table.md", "report.html"].map(str::to_owned);
+    for file in cases.chain(results) {
+        let [whole, parts] = ["whole", "parts"].map(|folder| bench.read(&format!("{folder}/{file}")));
+        assert_eq!(whole, parts, "{file}");
+    }
+    // the seal stands on standard output before anything of the truth does
+    let seal = bench.read("whole/cases/0000/truth.sha256");
+    assert!(printed.find(seal.trim()).unwrap() < printed.find("One effect of the catalogue").unwrap());
+    let concealed = bench.json("whole/cases/0000/truth.json")["ids"][0].as_str().unwrap().to_owned();
+    assert!(!bench.read("whole/cases/0000/recording.csv").contains(&concealed));
+
+    let truth = bench.read("whole/cases/0000/truth.json");
+    bench.write("whole/cases/0000/truth.json", &truth.replace(&concealed, "gyro_bias"));
+    let output = bench.run(&["prove", "--cases", "2", "--out", "whole", "--resume"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_names(&text(&output.stderr), &["truth.json", "not the file that was sealed"]);
 }

@@ -8,7 +8,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "clock_skew",
     locus: "timing",
     parameters: &[Parameter { name: "epsilon", unit: "s/s", range: [0.0002, 0.003], signed: true }],
-    moderate_and_strong: [0.001, 0.0015],
+    moderate_and_strong: [0.00056, 0.0008],
     near: &[],
     make: |values, _| Box::new(ClockSkew(values[0])),
 };

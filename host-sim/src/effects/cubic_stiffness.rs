@@ -7,7 +7,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "cubic_stiffness",
     locus: "pitch_moment",
     parameters: &[Parameter { name: "k3", unit: "N m/rad³", range: [0.5, 30.0], signed: false }],
-    moderate_and_strong: [4.0, 8.0],
+    moderate_and_strong: [2.74, 6.3],
     near: &[],
     make: |values, _| Box::new(CubicStiffness(values[0])),
 };

@@ -7,7 +7,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "effectiveness_fade",
     locus: "actuator",
     parameters: &[Parameter { name: "a", unit: "1/s", range: [0.001, 0.006], signed: false }],
-    moderate_and_strong: [0.004, 0.005],
+    moderate_and_strong: [0.0022, 0.0029],
     near: &[],
     make: |values, _| Box::new(EffectivenessFade(values[0])),
 };

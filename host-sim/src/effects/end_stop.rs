@@ -10,7 +10,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "ks", unit: "N m/rad", range: [1.0, 30.0], signed: false },
         Parameter { name: "theta_s", unit: "rad", range: [0.1, 0.5], signed: false },
     ],
-    moderate_and_strong: [1.2, 3.0],
+    moderate_and_strong: [1.4, 2.15],
     near: &[],
     make: |values, _| Box::new(EndStop { stiffness: values[0], angle: values[1] }),
 };

@@ -7,7 +7,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "gyro_bias",
     locus: "sensor",
     parameters: &[Parameter { name: "b", unit: "rad/s", range: [0.01, 0.1], signed: true }],
-    moderate_and_strong: [0.05, 0.1],
+    moderate_and_strong: [0.03, 0.1],
     near: &[],
     make: |values, _| Box::new(GyroBias(values[0])),
 };

@@ -7,7 +7,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "gyro_lag",
     locus: "sensor",
     parameters: &[Parameter { name: "T", unit: "s", range: [0.02, 0.12], signed: false }],
-    moderate_and_strong: [0.06, 0.1],
+    moderate_and_strong: [0.066, 0.109],
     near: &[],
     make: |values, _| Box::new(GyroLag { time_constant_s: values[0], filtered: 0.0 }),
 };

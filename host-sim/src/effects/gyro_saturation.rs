@@ -7,7 +7,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "gyro_saturation",
     locus: "sensor",
     parameters: &[Parameter { name: "q_max", unit: "rad/s", range: [0.2, 0.6], signed: false }],
-    moderate_and_strong: [0.4, 0.3],
+    moderate_and_strong: [0.379, 0.32],
     near: &[],
     make: |values, _| Box::new(GyroSaturation(values[0])),
 };

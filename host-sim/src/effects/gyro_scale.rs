@@ -7,7 +7,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "gyro_scale",
     locus: "sensor",
     parameters: &[Parameter { name: "s", unit: "-", range: [0.05, 0.3], signed: true }],
-    moderate_and_strong: [0.15, 0.25],
+    moderate_and_strong: [0.15, 0.3],
     near: &[],
     make: |values, _| Box::new(GyroScale(values[0])),
 };

@@ -13,7 +13,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "mode_hz", unit: "Hz", range: [3.0, 12.0], signed: false },
         Parameter { name: "zeta", unit: "-", range: [0.02, 0.5], signed: false },
     ],
-    moderate_and_strong: [4.0, 3.0],
+    moderate_and_strong: [3.34, 3.0],
     near: &[],
     make: |values, _| Box::new(ImuMount(Mount::of_mode(values[0].max(0.1), values[1], INERTIA_KG_M2))),
 };

@@ -10,7 +10,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "delta", unit: "-", range: [0.1, 0.5], signed: true },
         Parameter { name: "t_star", unit: "s", range: [30.0, 70.0], signed: false },
     ],
-    moderate_and_strong: [0.3, 0.45],
+    moderate_and_strong: [0.46, 0.5],
     near: &[],
     make: |values, _| Box::new(InertiaStep { change: values[0], time_s: values[1] }),
 };

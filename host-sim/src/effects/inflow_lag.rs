@@ -9,7 +9,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "g", unit: "-", range: [0.2, 0.6], signed: false },
         Parameter { name: "T_lambda", unit: "s", range: [0.05, 0.4], signed: false },
     ],
-    moderate_and_strong: [0.3, 0.45],
+    moderate_and_strong: [0.5, 0.6],
     near: &[],
     make: |values, _| Box::new(InflowLag { share: values[0], time_constant_s: values[1], inflow: 0.0 }),
 };

@@ -6,7 +6,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "linkage_backlash",
     locus: "actuator",
     parameters: &[Parameter { name: "b", unit: "rad", range: [0.001, 0.006], signed: false }],
-    moderate_and_strong: [0.002, 0.003],
+    moderate_and_strong: [0.0014, 0.0021],
     near: &[],
     make: |values, _| Box::new(LinkageBacklash { half_width: values[0], follower: 0.0 }),
 };

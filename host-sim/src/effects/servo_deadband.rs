@@ -6,7 +6,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "servo_deadband",
     locus: "actuator",
     parameters: &[Parameter { name: "b", unit: "rad", range: [0.001, 0.006], signed: false }],
-    moderate_and_strong: [0.002, 0.003],
+    moderate_and_strong: [0.0012, 0.0014],
     near: &[],
     make: |values, _| Box::new(ServoDeadband(values[0])),
 };

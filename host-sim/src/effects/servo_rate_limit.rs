@@ -6,7 +6,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "servo_rate_limit",
     locus: "actuator",
     parameters: &[Parameter { name: "r", unit: "rad/s", range: [0.02, 0.3], signed: false }],
-    moderate_and_strong: [0.1, 0.07],
+    moderate_and_strong: [0.2, 0.139],
     near: &[],
     make: |values, _| Box::new(ServoRateLimit { rate: values[0], position: 0.0 }),
 };

@@ -6,7 +6,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "servo_saturation",
     locus: "actuator",
     parameters: &[Parameter { name: "u_max", unit: "rad", range: [0.006, 0.018], signed: false }],
-    moderate_and_strong: [0.012, 0.01],
+    moderate_and_strong: [0.0166, 0.0062],
     near: &[],
     make: |values, _| Box::new(ServoSaturation(values[0])),
 };

@@ -13,7 +13,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "omega", unit: "rad/s", range: [10.0, 60.0], signed: false },
         Parameter { name: "zeta", unit: "-", range: [0.01, 0.2], signed: false },
     ],
-    moderate_and_strong: [0.6, 1.0],
+    moderate_and_strong: [0.81, 0.895],
     near: &[],
     make: |values, _| {
         Box::new(StructuralMode { gain: values[0], mode: Oscillator::new(values[1], values[2]) })

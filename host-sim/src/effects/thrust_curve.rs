@@ -6,7 +6,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "thrust_curve",
     locus: "actuator",
     parameters: &[Parameter { name: "kappa", unit: "1/rad", range: [5.0, 40.0], signed: true }],
-    moderate_and_strong: [20.0, 30.0],
+    moderate_and_strong: [14.9, 25.4],
     near: &[],
     make: |values, _| Box::new(ThrustCurve(values[0])),
 };

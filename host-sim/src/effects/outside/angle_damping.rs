@@ -11,7 +11,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "d", unit: "N m s/rad", range: [0.05, 0.6], signed: false },
         Parameter { name: "theta_0", unit: "rad", range: [0.1, 0.25], signed: false },
     ],
-    moderate_and_strong: [0.2, 0.4],
+    moderate_and_strong: [0.118, 0.173],
     near: &["quadratic_drag", "cubic_stiffness"],
     make: |values, _| Box::new(AngleDamping { gain: values[0], angle: values[1].max(1e-3) }),
 };

@@ -6,7 +6,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
     id: "asymmetric_thrust",
     locus: "actuator",
     parameters: &[Parameter { name: "a", unit: "-", range: [0.05, 0.5], signed: true }],
-    moderate_and_strong: [0.2, 0.4],
+    moderate_and_strong: [0.15, 0.19],
     near: &["trim_offset", "thrust_curve"],
     make: |values, _| Box::new(AsymmetricThrust(values[0])),
 };

@@ -6,7 +6,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
     id: "command_quantiser",
     locus: "actuator",
     parameters: &[Parameter { name: "step", unit: "rad", range: [0.004, 0.028], signed: false }],
-    moderate_and_strong: [0.01, 0.014],
+    moderate_and_strong: [0.0056, 0.0077],
     near: &["servo_deadband", "linkage_backlash", "thrust_curve"],
     make: |values, _| Box::new(CommandQuantiser(values[0])),
 };

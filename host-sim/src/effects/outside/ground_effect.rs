@@ -7,7 +7,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
     id: "ground_effect",
     locus: "pitch_moment",
     parameters: &[Parameter { name: "G", unit: "N m/rad", range: [0.1, 3.0], signed: false }],
-    moderate_and_strong: [0.3, 0.6],
+    moderate_and_strong: [0.204, 0.329],
     near: &["gravity_stiffness", "cubic_stiffness", "end_stop", "trim_offset"],
     make: |values, _| Box::new(GroundEffect(values[0])),
 };

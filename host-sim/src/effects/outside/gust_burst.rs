@@ -10,7 +10,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
     locus: "environment",
     parameters: &[
         Parameter { name: "sigma", unit: "N m", range: [0.04, 0.4], signed: false },
-        Parameter { name: "from_s", unit: "s", range: [20.0, 80.0], signed: false },
+        Parameter { name: "from_s", unit: "s", range: [55.0, 75.0], signed: false },
         Parameter { name: "length_s", unit: "s", range: [5.0, 20.0], signed: false },
     ],
     moderate_and_strong: [0.1, 0.2],

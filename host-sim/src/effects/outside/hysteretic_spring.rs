@@ -11,7 +11,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "k", unit: "N m/rad", range: [0.2, 6.0], signed: false },
         Parameter { name: "z_s", unit: "rad", range: [0.02, 0.15], signed: false },
     ],
-    moderate_and_strong: [0.6, 1.2],
+    moderate_and_strong: [0.555, 0.83],
     near: &["coulomb_friction", "gravity_stiffness"],
     make: |values, _| Box::new(HystereticSpring { stiffness: values[0], limit: values[1].max(1e-6), z: 0.0 }),
 };

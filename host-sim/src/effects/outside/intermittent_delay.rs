@@ -11,7 +11,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "Delta", unit: "s", range: [0.03, 0.3], signed: false },
         Parameter { name: "share", unit: "-", range: [0.2, 0.5], signed: false },
     ],
-    moderate_and_strong: [0.1, 0.2],
+    moderate_and_strong: [0.09, 0.1265],
     near: &["extra_delay", "servo_lag", "clock_skew"],
     make: |values, seed| {
         let stalled = Spans::drawn(&mut generator(seed, Stream::Effect), STALL_S, values[1]);

@@ -11,7 +11,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "share", unit: "-", range: [0.05, 0.6], signed: false },
         Parameter { name: "span_s", unit: "s", range: [0.06, 0.3], signed: false },
     ],
-    moderate_and_strong: [0.2, 0.4],
+    moderate_and_strong: [0.168, 0.365],
     near: &["extra_delay", "servo_lag"],
     make: |values, seed| {
         let missed = Spans::drawn(&mut generator(seed, Stream::Effect), values[1], values[0]);

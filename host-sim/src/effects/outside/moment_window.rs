@@ -8,7 +8,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
     locus: "pitch_moment",
     parameters: &[
         Parameter { name: "M", unit: "N m", range: [0.02, 0.25], signed: true },
-        Parameter { name: "from_s", unit: "s", range: [20.0, 80.0], signed: false },
+        Parameter { name: "from_s", unit: "s", range: [55.0, 75.0], signed: false },
         Parameter { name: "length_s", unit: "s", range: [4.0, 15.0], signed: false },
     ],
     moderate_and_strong: [0.1, 0.2],

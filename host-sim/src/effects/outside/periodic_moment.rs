@@ -14,7 +14,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "A", unit: "N m", range: [0.02, 0.3], signed: false },
         Parameter { name: "omega", unit: "rad/s", range: [1.0, 12.0], signed: false },
     ],
-    moderate_and_strong: [0.1, 0.2],
+    moderate_and_strong: [0.046, 0.065],
     near: &["gust_disturbance"],
     make: |values, seed| {
         let phase = generator(seed, Stream::Effect).random_range(0.0..TAU);

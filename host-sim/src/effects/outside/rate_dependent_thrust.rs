@@ -7,7 +7,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
     id: "rate_dependent_thrust",
     locus: "actuator",
     parameters: &[Parameter { name: "k", unit: "N m s/rad²", range: [5.0, 100.0], signed: false }],
-    moderate_and_strong: [30.0, 60.0],
+    moderate_and_strong: [18.5, 32.5],
     near: &["quadratic_drag", "thrust_curve"],
     make: |values, _| Box::new(RateDependentThrust(values[0])),
 };

@@ -10,7 +10,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "omega", unit: "rad/s", range: [6.0, 40.0], signed: false },
         Parameter { name: "zeta", unit: "-", range: [0.05, 0.4], signed: false },
     ],
-    moderate_and_strong: [15.0, 10.0],
+    moderate_and_strong: [19.5, 16.2],
     near: &["servo_lag", "structural_mode", "extra_delay", "gyro_lag"],
     make: |values, _| {
         Box::new(ServoResonance { omega: values[0], servo: Oscillator::new(values[0], values[1]) })

@@ -12,7 +12,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "rho", unit: "-", range: [0.1, 0.4], signed: false },
         Parameter { name: "q_s", unit: "rad/s", range: [0.05, 0.2], signed: false },
     ],
-    moderate_and_strong: [0.06, 0.1],
+    moderate_and_strong: [0.0406, 0.0541],
     near: &["coulomb_friction"],
     make: |values, _| {
         Box::new(StribeckFriction { breakaway: values[0], share: values[1], rate: values[2].max(1e-6) })

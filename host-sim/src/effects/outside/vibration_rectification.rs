@@ -7,7 +7,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
     id: "vibration_rectification",
     locus: "sensor",
     parameters: &[Parameter { name: "b", unit: "rad/s per rad²", range: [50.0, 2000.0], signed: true }],
-    moderate_and_strong: [300.0, 600.0],
+    moderate_and_strong: [484.0, 661.0],
     near: &["gyro_bias"],
     make: |values, _| Box::new(VibrationRectification { gain: values[0], blade: 0.0 }),
 };

@@ -14,7 +14,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "G", unit: "N m", range: [0.05, 1.5], signed: false },
         Parameter { name: "l", unit: "m", range: [0.3, 2.0], signed: false },
     ],
-    moderate_and_strong: [0.2, 0.4],
+    moderate_and_strong: [0.133, 0.201],
     near: &["gravity_stiffness"],
     make: |values, _| {
         let length = values[1].max(0.01);

@@ -9,7 +9,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "k", unit: "-", range: [0.1, 0.9], signed: false },
         Parameter { name: "T", unit: "s", range: [3.0, 15.0], signed: false },
     ],
-    moderate_and_strong: [0.4, 0.6],
+    moderate_and_strong: [0.516, 0.63],
     near: &["effectiveness_fade", "thrust_curve"],
     make: |values, _| {
         Box::new(VoltageDroop { depth: values[0], time_constant_s: values[1].max(1e-3), droop: 0.0 })

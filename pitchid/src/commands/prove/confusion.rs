@@ -7,8 +7,10 @@ use std::fmt::Write as _;
 
 /// Side of a cell, CSS pixels.
 const CELL: usize = 22;
+/// Room for the slanted names beyond the last column, CSS pixels.
+const MARGIN: usize = 60;
 /// Room for the names, CSS pixels.
-const NAMES: usize = 190;
+const NAMES: usize = 165;
 
 /// Rows and columns with counts.
 struct Matrix {
@@ -58,7 +60,8 @@ fn answered(outcome: &Outcome) -> &str {
 /// The picture.
 pub fn svg(outcomes: &[Outcome]) -> String {
     let matrix = Matrix::new(outcomes);
-    let (width, height) = (NAMES + CELL * matrix.columns.len() + 8, NAMES + CELL * matrix.rows.len() + 8);
+    let (width, height) =
+        (NAMES + CELL * matrix.columns.len() + MARGIN, NAMES + CELL * matrix.rows.len() + 8);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
          aria-label=\"What was concealed (rows) against what was answered (columns)\" font-size=\"11\">"

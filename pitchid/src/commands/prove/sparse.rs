@@ -4,7 +4,9 @@
 //! averaged with the weights of a local straight-line fit over nine samples, which makes the left side the slope of
 //! that line and spares differentiating noise (the weak form of Messenger and Bortz, 2021). q and u stay, so that
 //! wrong values of the user's model are estimated again; a candidate whose contribution falls below the threshold
-//! is dropped and the rest is fitted again. Of a grid of thresholds the one with the lowest BIC is taken.
+//! is dropped and the rest is fitted again. The threshold is chosen by cross-validation over the sections that are
+//! not held out: the largest whose error is within one standard error of the least (Hastie, Tibshirani, Friedman
+//! 2009, 7.10).
 
 use super::truth::Sparse;
 use nalgebra::{DMatrix, DVector};
@@ -16,7 +18,7 @@ use sysid::validate::vaf::vaf;
 /// Half the width of the local line, samples.
 const REACH: usize = 4;
 /// Thresholds on a term's effective contribution, relative to the effective value of the residual.
-const THRESHOLDS: [f64; 10] = [0.02, 0.04, 0.06, 0.09, 0.13, 0.18, 0.25, 0.35, 0.5, 0.7];
+const THRESHOLDS: [f64; 11] = [0.02, 0.04, 0.06, 0.09, 0.13, 0.18, 0.25, 0.35, 0.5, 0.7, f64::INFINITY];
 /// Section that is held out.
 const HELD_OUT: &str = "IV";
 
@@ -63,11 +65,19 @@ impl Point {
     }
 }
 
+/// Averaged terms and slopes of the rate, row by row.
+#[derive(Clone, Default)]
+struct Rows {
+    terms: Vec<[f64; TERMS]>,
+    slopes: Vec<f64>,
+}
+
 /// Regresses the recording and simulates what is held out.
 pub fn regress(recording: &Recording, model: &ModelFile) -> Option<Sparse> {
     let points = points(recording, model.plant.delay_s.unwrap_or(0.0))?;
-    let (rows, slopes) = training(recording, &points);
-    let coefficients = selected(&rows, &slopes)?;
+    let training = recording.sections.iter().filter(|s| s.file_label != HELD_OUT);
+    let folds: Vec<Rows> = training.map(|s| averaged(&points, s.rows.clone(), recording.step)).collect();
+    let coefficients = Rows::joined(&folds).thresholded(threshold(&folds)?)?;
     let kept: Vec<&Candidate> =
         LIBRARY.iter().zip(&coefficients[KEPT..]).filter(|(_, c)| **c != 0.0).map(|(l, _)| l).collect();
     Some(Sparse {
@@ -93,84 +103,113 @@ fn points(recording: &Recording, delay_s: f64) -> Option<Vec<Point>> {
     Some((0..recording.len()).map(point).collect())
 }
 
-/// Averaged terms and slopes of the rate on every section but the one that is held out.
-fn training(recording: &Recording, points: &[Point]) -> (Vec<[f64; TERMS]>, Vec<f64>) {
+/// Rows of one section.
+fn averaged(points: &[Point], rows: core::ops::Range<usize>, step: f64) -> Rows {
     let reach = REACH as i64;
-    let spread: f64 = (-reach..=reach).map(|j| (j * j) as f64).sum::<f64>() * recording.step;
-    let (mut rows, mut slopes) = (Vec::new(), Vec::new());
-    for section in recording.sections.iter().filter(|s| s.file_label != HELD_OUT) {
-        let range = section.rows.start + REACH..section.rows.end.saturating_sub(REACH);
-        for k in range.step_by(REACH) {
-            let (mut row, mut slope) = ([0.0; TERMS], 0.0);
-            // weight of a step: the sum of the line's weights to its right
-            let mut weight = 0.0;
-            for j in (1..=2 * REACH).rev() {
-                weight += (j as f64 - REACH as f64) / spread;
-                let (from, to) = (&points[k - REACH + j - 1], &points[k - REACH + j]);
-                slope += weight * (to.q - from.q);
-                // the command is held, the rest runs straight
-                let (a, b) = (from.terms(), Point { u: from.u, u_dot: from.u_dot, ..*to }.terms());
-                for (sum, (a, b)) in row.iter_mut().zip(a.iter().zip(b)) {
-                    *sum += weight * recording.step * 0.5 * (a + b);
-                }
+    let spread: f64 = (-reach..=reach).map(|j| (j * j) as f64).sum::<f64>() * step;
+    let mut found = Rows::default();
+    for k in (rows.start + REACH..rows.end.saturating_sub(REACH)).step_by(REACH) {
+        let (mut row, mut slope) = ([0.0; TERMS], 0.0);
+        // weight of a step: the sum of the line's weights to its right
+        let mut weight = 0.0;
+        for j in (1..=2 * REACH).rev() {
+            weight += (j as f64 - REACH as f64) / spread;
+            let (from, to) = (&points[k - REACH + j - 1], &points[k - REACH + j]);
+            slope += weight * (to.q - from.q);
+            // the command is held, the rest runs straight
+            let (a, b) = (from.terms(), Point { u: from.u, u_dot: from.u_dot, ..*to }.terms());
+            for (sum, (a, b)) in row.iter_mut().zip(a.iter().zip(b)) {
+                *sum += weight * step * 0.5 * (a + b);
             }
-            rows.push(row);
-            slopes.push(slope);
         }
+        found.terms.push(row);
+        found.slopes.push(slope);
     }
-    (rows, slopes)
+    found
 }
 
-/// The coefficients at the best threshold.
-fn selected(rows: &[[f64; TERMS]], slopes: &[f64]) -> Option<[f64; TERMS]> {
-    // neighbouring rows share half of their samples
-    let independent = rows.len() as f64 / 2.0;
-    let baseline = least_squares(rows, slopes, &std::array::from_fn(|i| i < KEPT))?;
-    let typical = rms(&residuals(rows, slopes, &baseline));
-    let score = |c: &[f64; TERMS]| {
-        let count = c.iter().filter(|c| **c != 0.0).count() as f64;
-        independent * rms(&residuals(rows, slopes, c)).powi(2).ln() + count * independent.ln()
+/// The largest threshold whose error, each section predicted from the others, is within one standard error of the least.
+fn threshold(folds: &[Rows]) -> Option<f64> {
+    if folds.len() < 2 {
+        return None;
+    }
+    let errors_at = |threshold: f64| -> Option<(f64, f64)> {
+        let errors: Vec<f64> = (0..folds.len())
+            .map(|out| {
+                let others: Vec<Rows> = folds
+                    .iter()
+                    .enumerate()
+                    .filter(|(i, _)| *i != out)
+                    .map(|(_, rows)| rows.clone())
+                    .collect();
+                let coefficients = Rows::joined(&others).thresholded(threshold)?;
+                Some(rms(&folds[out].residuals(&coefficients)).powi(2))
+            })
+            .collect::<Option<_>>()?;
+        let n = errors.len() as f64;
+        let mean = errors.iter().sum::<f64>() / n;
+        let variance = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        Some((mean, (variance / n).sqrt()))
     };
-    let mut best = baseline;
-    for threshold in THRESHOLDS {
-        let found = thresholded(rows, slopes, threshold * typical)?;
-        if score(&found) < score(&best) {
-            best = found;
+    let tried: Vec<(f64, f64, f64)> = THRESHOLDS
+        .iter()
+        .map(|t| errors_at(*t).map(|(mean, error)| (*t, mean, error)))
+        .collect::<Option<_>>()?;
+    let (_, least, error) = tried.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    tried.iter().rev().find(|(_, mean, _)| *mean <= least + error).map(|(threshold, ..)| *threshold)
+}
+
+impl Rows {
+    fn joined(parts: &[Self]) -> Self {
+        let terms = parts.iter().flat_map(|part| part.terms.iter().copied()).collect();
+        Self { terms, slopes: parts.iter().flat_map(|part| part.slopes.iter().copied()).collect() }
+    }
+
+    /// Least squares, contributions below the threshold dropped, until nothing more is dropped.
+    fn thresholded(&self, threshold: f64) -> Option<[f64; TERMS]> {
+        let baseline = self.least_squares(&std::array::from_fn(|i| i < KEPT))?;
+        let least = threshold * rms(&self.residuals(&baseline));
+        let size = self.sizes()?;
+        // the last part of a column that is nothing but q and u is rounding
+        let mut active: [bool; TERMS] = std::array::from_fn(|i| i < KEPT || size[i] > 1e-9);
+        loop {
+            let found = self.least_squares(&active)?;
+            let stays: [bool; TERMS] =
+                std::array::from_fn(|i| active[i] && (i < KEPT || (found[i] * size[i]).abs() >= least));
+            if stays == active {
+                return Some(found);
+            }
+            active = stays;
         }
     }
-    Some(best)
-}
 
-/// Least squares, small contributions dropped, until nothing more is dropped.
-fn thresholded(rows: &[[f64; TERMS]], slopes: &[f64], threshold: f64) -> Option<[f64; TERMS]> {
-    let size: [f64; TERMS] = std::array::from_fn(|i| rms(&rows.iter().map(|row| row[i]).collect::<Vec<_>>()));
-    let mut active: [bool; TERMS] = std::array::from_fn(|i| size[i] > 0.0);
-    loop {
-        let found = least_squares(rows, slopes, &active)?;
-        let stays: [bool; TERMS] =
-            std::array::from_fn(|i| active[i] && (i < KEPT || (found[i] * size[i]).abs() >= threshold));
-        if stays == active {
-            return Some(found);
+    /// Effective value of what a candidate has beyond q and u: under a two-level excitation u|u| is nearly u itself.
+    fn sizes(&self) -> Option<[f64; TERMS]> {
+        let mut sizes = [0.0; TERMS];
+        for (i, size) in sizes.iter_mut().enumerate().skip(KEPT) {
+            let column = Self { slopes: self.terms.iter().map(|row| row[i]).collect(), ..self.clone() };
+            *size = rms(&column.residuals(&column.least_squares(&std::array::from_fn(|k| k < KEPT))?));
         }
-        active = stays;
+        Some(sizes)
     }
-}
 
-fn least_squares(rows: &[[f64; TERMS]], slopes: &[f64], active: &[bool; TERMS]) -> Option<[f64; TERMS]> {
-    let columns: Vec<usize> = (0..TERMS).filter(|i| active[*i]).collect();
-    let scale = |i: usize| rows.iter().map(|row| row[i].abs()).fold(f64::MIN_POSITIVE, f64::max);
-    let scales: Vec<f64> = columns.iter().map(|i| scale(*i)).collect();
-    let matrix = DMatrix::from_fn(rows.len(), columns.len(), |r, c| rows[r][columns[c]] / scales[c]);
-    let solution = matrix.svd(true, true).solve(&DVector::from_column_slice(slopes), 1e-10).ok()?;
-    let mut coefficients = [0.0; TERMS];
-    for ((column, scale), value) in columns.into_iter().zip(scales).zip(&solution) {
-        coefficients[column] = value / scale;
+    fn least_squares(&self, active: &[bool; TERMS]) -> Option<[f64; TERMS]> {
+        let columns: Vec<usize> = (0..TERMS).filter(|i| active[*i]).collect();
+        let scale = |i: usize| self.terms.iter().map(|row| row[i].abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let scales: Vec<f64> = columns.iter().map(|i| scale(*i)).collect();
+        let count = self.terms.len();
+        let matrix = DMatrix::from_fn(count, columns.len(), |r, c| self.terms[r][columns[c]] / scales[c]);
+        let solution = matrix.svd(true, true).solve(&DVector::from_column_slice(&self.slopes), 1e-10).ok()?;
+        let mut coefficients = [0.0; TERMS];
+        for ((column, scale), value) in columns.into_iter().zip(scales).zip(&solution) {
+            coefficients[column] = value / scale;
+        }
+        Some(coefficients)
     }
-    Some(coefficients)
-}
 
-fn residuals(rows: &[[f64; TERMS]], slopes: &[f64], coefficients: &[f64; TERMS]) -> Vec<f64> {
-    rows.iter().zip(slopes).map(|(row, slope)| slope - dot(row, coefficients)).collect()
+    fn residuals(&self, coefficients: &[f64; TERMS]) -> Vec<f64> {
+        self.terms.iter().zip(&self.slopes).map(|(row, slope)| slope - dot(row, coefficients)).collect()
+    }
 }
 
 fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {

@@ -48,15 +48,15 @@ fn singles(cases: &[&Outcome]) -> Table {
     shares(
         "One effect of the catalogue",
         "Right: named, and the first name is right. Confidently wrong: a wrong name with a probability of 0.9 or more. Sparse \
-         regression is right where it keeps exactly the term of the effect, and that term stands for it alone.",
+         regression (STLSQ) is right where it keeps exactly the term of the effect, and that term stands for it alone.",
         rows,
         &[
             ("right", &|o| o.right),
-            ("right or among ≤ 3", &|o| o.among_three),
-            ("and something spurious", &|o| o.all_found && o.companions),
+            ("or among ≤ 3", &|o| o.among_three),
+            ("right, and spurious", &|o| o.all_found && o.companions),
             ("confidently wrong", &|o| o.confidently_wrong),
             ("missed", &|o| o.missed),
-            ("sparse regression: right", &|o| o.sparse.right),
+            ("STLSQ: right", &|o| o.sparse.right),
         ],
     )
 }
@@ -73,10 +73,10 @@ fn by_effect(cases: &[&Outcome]) -> Table {
         rows.collect(),
         &[
             ("right", &|o| o.right),
-            ("right or among ≤ 3", &|o| o.among_three),
+            ("or among ≤ 3", &|o| o.among_three),
             ("confidently wrong", &|o| o.confidently_wrong),
             ("missed", &|o| o.missed),
-            ("sparse regression: right", &|o| o.sparse.right),
+            ("STLSQ: right", &|o| o.sparse.right),
         ],
     )
 }
@@ -91,13 +91,14 @@ fn nothing(cases: &[&Outcome]) -> Table {
         &[
             ("no mismatch", &|o| o.verdict == "no_mismatch"),
             ("false alarm", &|o| o.false_alarm),
-            ("sparse regression: false alarm", &|o| !o.sparse.terms.is_empty()),
+            ("STLSQ: false alarm", &|o| !o.sparse.terms.is_empty()),
         ],
     )
 }
 
 fn pairs(cases: &[&Outcome]) -> Table {
     let mut rows = vec![("all".to_owned(), cases.to_vec())];
+    rows.extend(split(cases, |o| &o.size, &["strong", "moderate", "weak"]));
     rows.extend(split(cases, |o| &o.level, &["clean", "lab", "paper"]));
     shares(
         "Two effects of the catalogue",
@@ -108,7 +109,7 @@ fn pairs(cases: &[&Outcome]) -> Table {
             ("at least one", &|o| o.one_found),
             ("something spurious", &|o| o.companions),
             ("confidently wrong", &|o| o.confidently_wrong),
-            ("sparse regression: both", &|o| o.sparse.among),
+            ("STLSQ: both", &|o| o.sparse.among),
         ],
     )
 }
@@ -133,9 +134,9 @@ fn outside(cases: &[&Outcome]) -> Table {
             ("unlisted", &|o| o.verdict == "unlisted"),
             ("ambiguous", &|o| o.verdict == "ambiguous"),
             ("confidently wrong", &|o| o.confidently_wrong),
-            ("confidently wrong and far", &|o| o.far),
+            ("and far", &|o| o.far),
             ("missed", &|o| o.missed),
-            ("sparse regression: names something", &|o| !o.sparse.terms.is_empty()),
+            ("STLSQ: names one", &|o| !o.sparse.terms.is_empty()),
         ],
     )
 }
@@ -240,6 +241,12 @@ fn median(values: &[f64], factor: f64, unit: &str) -> String {
 }
 
 impl Table {
+    /// The rows without the counts behind the percentages: the number of cases stands in its own column.
+    pub fn short_rows(&self) -> Vec<Vec<String>> {
+        let short = |cell: &String| cell.split(" (").next().unwrap_or_default().to_owned();
+        self.rows.iter().map(|row| row.iter().map(short).collect()).collect()
+    }
+
     /// The table in Markdown, under a heading.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
