@@ -15,7 +15,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "gyroscopic_coupling",
     locus: "pitch_moment",
     parameters: &[Parameter { name: "dI", unit: "kg m²", range: [0.05, 0.3], signed: false }],
-    moderate_and_strong: [0.1, 0.15],
+    moderate_and_strong: [0.124, 0.192],
     near: &[],
     make: |values, seed| {
         let mut generator = generator(seed, Stream::Effect);

@@ -11,7 +11,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "theta_0", unit: "rad", range: [0.03, 0.15], signed: true },
         Parameter { name: "width", unit: "rad", range: [0.03, 0.1], signed: false },
     ],
-    moderate_and_strong: [0.1, 0.2],
+    moderate_and_strong: [0.053, 0.106],
     near: &["coulomb_friction"],
     make: |values, _| Box::new(LocalFriction { level: values[0], centre: values[1], half_width: values[2] }),
 };
