@@ -11,7 +11,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "from_s", unit: "s", range: [55.0, 75.0], signed: false },
         Parameter { name: "length_s", unit: "s", range: [4.0, 15.0], signed: false },
     ],
-    moderate_and_strong: [0.1, 0.2],
+    moderate_and_strong: [0.2, 0.235],
     near: &["trim_offset"],
     make: |values, _| {
         Box::new(MomentWindow { moment: values[0], window_s: [values[1], values[1] + values[2]] })
