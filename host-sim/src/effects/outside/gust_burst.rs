@@ -13,7 +13,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "from_s", unit: "s", range: [55.0, 75.0], signed: false },
         Parameter { name: "length_s", unit: "s", range: [5.0, 20.0], signed: false },
     ],
-    moderate_and_strong: [0.318, 0.378],
+    moderate_and_strong: [0.32, 0.38],
     near: &["gust_disturbance"],
     make: |values, seed| {
         let colour = Colour::FirstOrder { time_constant_s: TIME_CONSTANT_S };
