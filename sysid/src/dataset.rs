@@ -46,7 +46,7 @@ impl Run {
 }
 
 /// Typical sizes of the signals of a data set: what parameters' ranges and starts are scaled with.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Amplitudes {
     /// Standard deviation of the input, its unit.
     pub u: f64,

@@ -137,6 +137,13 @@ pub struct ModelAnswer {
     pub simulation_parameters: BTreeMap<String, f64>,
 }
 
+impl ModelAnswer {
+    /// The same parameters, the free run by another model.
+    pub fn simulated_by(self, vaf_percent: BTreeMap<String, f64>) -> Self {
+        Self { vaf_percent, ..self }
+    }
+}
+
 /// The excitation that would best tell candidates apart.
 #[derive(Clone, Debug, Serialize)]
 pub struct NextExperiment {

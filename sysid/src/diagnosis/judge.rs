@@ -11,6 +11,7 @@ use super::search::Fit;
 use crate::dataset::Place;
 use crate::estimate::Estimate;
 use crate::identify::levenberg_marquardt::covariance;
+use std::collections::BTreeMap;
 
 /// Residuals may be correlated over this time when intervals are corrected for it, s.
 const CORRELATION_S: f64 = 0.5;
@@ -49,6 +50,11 @@ impl Judged {
         held.iter().sum::<f64>() / held.len().max(1) as f64
     }
 
+    /// Free-run VAF by section.
+    pub fn vaf_by_section(&self, split: &Split) -> BTreeMap<String, f64> {
+        split.all().iter().zip(&self.vaf).map(|(p, v)| (p.label.clone(), *v)).collect()
+    }
+
     /// Name of the i-th unknown: an effect's parameter with the effect's id before it, for two effects may share a name.
     fn full_name(&self, problem: &Problem<'_>, i: usize) -> String {
         for (index, effect) in self.fit.effects.iter().enumerate() {
@@ -71,7 +77,7 @@ impl Judged {
         let estimates = estimates(problem, &self.fit);
         let of_physics = || (0..coordinates.len()).filter(|&i| physical(i));
         ModelAnswer {
-            vaf_percent: split.all().iter().zip(&self.vaf).map(|(p, v)| (p.label.clone(), *v)).collect(),
+            vaf_percent: self.vaf_by_section(split),
             parameters: of_physics().map(|i| estimates[i].clone()).collect(),
             simulation_parameters: of_physics()
                 .map(|i| (self.full_name(problem, i), self.simulation[i]))
@@ -98,22 +104,19 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
 }
 
 /// 2 log likelihood of the one-step prediction that the extended model gains over the baseline on the held-out
-/// sections, the innovations' covariances taken from the training data.
+/// sections. The innovations' covariance is each model's own there: how strong the disturbance is differs from section
+/// to section.
 pub fn held_out_gain(problem: &Problem<'_>, split: &Split, baseline: &Fit, extended: &Fit) -> f64 {
     let deviance = |fit: &Fit| -> f64 {
-        let (weight, log_determinant) = weights(&fit.minimum.residuals);
-        let mut sum = 0.0;
+        let mut held = Vec::new();
         let tracked =
             problem.predict(&problem.unpack(&fit.effects, &fit.minimum.values), |run, innovations| {
                 for place in split.held_out.iter().filter(|p| p.run == run) {
-                    for e in &innovations[place.rows.clone()] {
-                        let e = if problem.data.has_rate { *e } else { [e[1], 0.0] };
-                        let v = nalgebra::Vector2::new(e[0], e[1]);
-                        sum += (v.transpose() * weight * v)[0] + log_determinant;
-                    }
+                    held.extend(innovations[place.rows.clone()].iter().map(|e| problem.pack(*e)));
                 }
             });
-        if tracked.is_some() { sum } else { f64::INFINITY }
+        let (_, log_determinant) = weights(&held);
+        if tracked.is_some() { held.len() as f64 * log_determinant } else { f64::INFINITY }
     };
     let (before, after) = (deviance(baseline), deviance(extended));
     if after.is_finite() { before - after } else { f64::NEG_INFINITY }

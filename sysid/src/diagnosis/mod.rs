@@ -1,5 +1,7 @@
 //! Missing physics: located, named, modelled, and shown to pay.
 
+mod account;
+pub mod anonymous;
 pub mod answer;
 pub mod baseline;
 mod diagnose;
@@ -7,12 +9,15 @@ pub mod effects;
 mod excitation;
 mod experiment;
 pub mod free_run;
+pub mod gust;
 pub mod held_out;
 pub mod judge;
+mod judgement;
 pub mod locate;
 pub mod problem;
 pub mod rank;
 pub mod search;
+pub mod unlisted;
 pub mod words;
 
 pub use diagnose::{Diagnosis, diagnose};

@@ -147,8 +147,8 @@ impl<'a> Problem<'a> {
         let unit = self.intensity_unit();
         let mut all = vec![
             coordinate("disturbance_intensity", "1", [1e-4 * unit, 1e5 * unit], true, 1.0),
-            coordinate("disturbance_slow", "rad/s", [0.03, 10.0 * faster], true, 1.0),
-            coordinate("disturbance_fast", "rad/s", [1.0, 60.0 * faster], true, 1.0),
+            coordinate("disturbance_slow", "rad/s", [0.03, 60.0 * faster], true, 1.0),
+            coordinate("disturbance_fast", "rad/s", [0.03, 60.0 * faster], true, 1.0),
             coordinate("disturbance_zero", "rad/s", [0.01, 100.0 * faster], true, 1.0),
         ];
         if self.channels() == 2 {
@@ -174,6 +174,12 @@ impl<'a> Problem<'a> {
             start.push(0.3 * self.sizes.theta / self.sizes.q);
         }
         start
+    }
+
+    /// Poles and zero (slow, fast, zero) of a disturbance without slow parts to begin with, rad/s.
+    pub fn band_pass(&self) -> [f64; 3] {
+        let faster = (0.02 / self.sizes.step).max(1.0);
+        [1.2, 12.0 * faster.sqrt(), 0.03]
     }
 
     /// Values of the plant's unknowns in the baseline.
@@ -259,7 +265,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Puts the one measured channel first.
-    fn pack(&self, e: Output) -> Output {
+    pub fn pack(&self, e: Output) -> Output {
         if self.data.has_rate { e } else { [e[1], 0.0] }
     }
 }

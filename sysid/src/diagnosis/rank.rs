@@ -2,15 +2,15 @@
 
 use super::effects::{CATALOGUE, Effect};
 use super::problem::Problem;
-use super::search::{Fit, fit_baseline, fit_one_more, refit};
+use super::search::{Fit, fit_baseline, fit_one_more, refit, settled};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// An effect is added when it lowers the BIC by more than this. Calibrated on simulated recordings without any
 /// effect, at all levels of disturbance.
-pub const DETECTION: f64 = 20.0;
+pub const DETECTION: f64 = 8.0;
 /// An effect stays when taking it out raises the BIC by more than this.
-const RETENTION: f64 = 10.0;
+const RETENTION: f64 = 6.0;
 /// Candidates from whose values the baseline is fitted again.
 const BASELINE_STARTS: usize = 3;
 /// Most effects that one diagnosis adds.
@@ -64,7 +64,7 @@ pub fn select(problem: &Problem<'_>, progress: &(dyn Fn(&str) + Sync)) -> Option
         else {
             break;
         };
-        current = best;
+        current = settled(problem, best);
     }
     progress("checking which effects are needed");
     let mut extended = prune(problem, current);

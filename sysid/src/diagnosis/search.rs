@@ -67,7 +67,18 @@ pub fn fit_baseline(problem: &Problem<'_>) -> Option<Fit> {
         |share: &f64| sketch(problem, &[], &[problem.plant_start(), problem.noise_start(*share)].concat());
     let sketches: Vec<Fit> = STRENGTHS.par_iter().filter_map(sketch).collect();
     let best = sketches.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion()))?;
-    refit(problem, &[], &best.minimum.values)
+    refit(problem, &[], &best.minimum.values).map(|fit| settled(problem, fit))
+}
+
+/// `fit`, or the same effects fitted from a band-passed disturbance where that is better: a low pass of two poles does
+/// not turn into one by itself.
+pub fn settled(problem: &Problem<'_>, fit: Fit) -> Fit {
+    let mut banded = fit.minimum.values.clone();
+    banded[problem.noise_range()][1..4].copy_from_slice(&problem.band_pass());
+    match refit(problem, &fit.effects, &banded) {
+        Some(other) if other.criterion() < fit.criterion() => other,
+        _ => fit,
+    }
 }
 
 /// `before` with each of `candidates` in turn, best first. Of the starts of a candidate the best after one Gauss–Newton
@@ -76,15 +87,15 @@ pub fn fit_baseline(problem: &Problem<'_>) -> Option<Fit> {
 pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Fit> {
     let mut starts = best_starts(problem, before, candidates, &before.minimum.values);
     if let Some(low) = near_output_error(problem, before) {
-        for (candidate, mut values) in best_starts(problem, before, candidates, &low) {
+        for (candidate, mut values, criterion) in best_starts(problem, before, candidates, &low) {
             let noise = problem.noise_range();
             values[noise.clone()].copy_from_slice(&before.minimum.values[noise]);
-            starts.push((candidate, values));
+            starts.push((candidate, values, criterion));
         }
     }
     let sketches: Vec<Fit> = starts
         .par_iter()
-        .filter_map(|(candidate, values)| {
+        .filter_map(|(candidate, values, _)| {
             let mut effects = before.effects.clone();
             effects.push(*candidate);
             sketch(problem, &effects, values)
@@ -107,13 +118,34 @@ pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static 
     fits
 }
 
+/// `before` with each of `candidates` after one Gauss–Newton step, best BIC first: effects and values.
+pub fn screen(
+    problem: &Problem<'_>,
+    before: &Fit,
+    candidates: &[&'static dyn Effect],
+) -> Vec<(Vec<&'static dyn Effect>, Vec<f64>)> {
+    let count = (problem.count() as f64).ln();
+    let mut steps: Vec<(f64, Vec<&'static dyn Effect>, Vec<f64>)> =
+        best_starts(problem, before, candidates, &before.minimum.values)
+            .into_iter()
+            .map(|(candidate, values, criterion)| {
+                let own = values.len() - before.minimum.values.len();
+                let mut effects = before.effects.clone();
+                effects.push(candidate);
+                (criterion + own as f64 * count, effects, values)
+            })
+            .collect();
+    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    steps.into_iter().map(|(_, effects, values)| (effects, values)).collect()
+}
+
 /// Each candidate's best start after one step, the unknowns of `before` starting from `values`.
 fn best_starts(
     problem: &Problem<'_>,
     before: &Fit,
     candidates: &[&'static dyn Effect],
     values: &[f64],
-) -> Vec<(&'static dyn Effect, Vec<f64>)> {
+) -> Vec<(&'static dyn Effect, Vec<f64>, f64)> {
     let residuals = |v: &[f64]| problem.prediction_errors(&before.effects, v);
     let coordinates = problem.coordinates(&before.effects);
     let Some(shared) = Linearised::new(&residuals, problem.channels(), &coordinates, values) else {
@@ -127,7 +159,7 @@ fn best_starts(
         let one_step =
             |start: Vec<f64>| shared.one_step(&residuals, problem.channels(), &coordinates, &start);
         let steps = candidate.starts(&problem.sizes).into_iter().filter_map(one_step);
-        steps.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(values, _)| (candidate, values))
+        steps.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(values, criterion)| (candidate, values, criterion))
     };
     candidates.par_iter().filter_map(best_start).collect()
 }

@@ -5,8 +5,8 @@ use super::effects::find;
 use crate::estimate::Estimate;
 
 /// One to three sentences with numbers and units. `refused` are effects that the training data asked for and the
-/// held-out data did not confirm.
-pub fn summary(answer: &Answer, refused: &[&str]) -> String {
+/// held-out data did not confirm; `corrected` says whether the extended model simulates the held-out data no worse.
+pub fn summary(answer: &Answer, refused: &[&str], corrected: bool) -> String {
     let before = mean(answer, |fit| &fit.baseline.vaf_percent);
     let after = mean(answer, |fit| &fit.extended.vaf_percent);
     let ceiling = mean(answer, |fit| &fit.ceiling_vaf_percent);
@@ -55,9 +55,10 @@ pub fn summary(answer: &Answer, refused: &[&str]) -> String {
             refused.join(" and ")
         ));
     }
-    if !answer.effects.is_empty() && after < before {
+    if !corrected {
         text.push_str(
-            " The free-run VAF fell although the prediction improved: under feedback and disturbance a biased model can simulate better by chance.",
+            " The free run of the held-out data is worse with it although the prediction is better (under feedback and \
+             disturbance a biased model can simulate better by chance): the extended model keeps the baseline's values.",
         );
     }
     text

@@ -6,16 +6,16 @@
 //! M_w = z x₁ + x₂,  ẋ₁ = x₂,  ẋ₂ = −a₁a₂ x₁ − (a₁+a₂) x₂ + n      coloured disturbance moment
 //! ```
 //!
-//! The state is always (q, qP, θ, θP, x₁, x₂). Without a mount the IMU sits rigidly on the airframe and rows
-//! qP, θP stay zero.
+//! The state is always (q, qP, θ, θP, qF, x₁, x₂), qF the rate behind a gyro's filter. Without a mount the IMU sits
+//! rigidly on the airframe and rows qP, θP stay zero; without a filter so does qF.
 
 use nalgebra::{SMatrix, SVector};
 
 /// Number of states of the airframe, its mount and the disturbance together.
-pub const STATES: usize = 6;
+pub const STATES: usize = 7;
 /// State matrix, per second.
 pub type StateMatrix = SMatrix<f64, STATES, STATES>;
-/// State vector (q, qP, θ, θP, x₁, x₂) in rad/s, rad/s, rad, rad, N m s, N m.
+/// State vector (q, qP, θ, θP, qF, x₁, x₂) in rad/s, rad/s, rad, rad, rad/s, N m s, N m.
 pub type State = SVector<f64, STATES>;
 
 /// Index of the pitch rate of the airframe.
@@ -26,8 +26,10 @@ pub const Q_IMU: usize = 1;
 pub const THETA: usize = 2;
 /// Index of the pitch angle of the IMU on its mount.
 pub const THETA_IMU: usize = 3;
+/// Index of the pitch rate behind the gyro's filter.
+pub const GYRO: usize = 4;
 /// Index of the first disturbance state.
-pub const DISTURBANCE: usize = 4;
+pub const DISTURBANCE: usize = 5;
 
 /// The vibration-damping mount of the IMU.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,10 +5,9 @@
 //! ```
 //!
 //! Solved by the structure-preserving doubling algorithm (Chu, Fan, Lin, 2004): quadratic convergence, a dozen
-//! steps of 6×6 products.
+//! steps of 7×7 products.
 
 use super::grey_box::{State, StateMatrix};
-use nalgebra::SVector;
 
 /// One measured channel: the state it reads and the variance of its white noise.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +56,7 @@ fn gain(covariance: &StateMatrix, channels: &[Channel]) -> Vec<State> {
     let mut p = *covariance;
     let mut columns: Vec<State> = Vec::with_capacity(channels.len());
     for channel in channels {
-        let pc: SVector<f64, 6> = p.column(channel.state).into_owned();
+        let pc: State = p.column(channel.state).into_owned();
         let k = pc / (pc[channel.state] + channel.variance);
         for earlier in &mut columns {
             let shift = earlier[channel.state];

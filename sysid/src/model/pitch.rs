@@ -3,7 +3,9 @@
 //! Linear parts are propagated exactly (matrix exponential), effects by a midpoint rule over steps of at most 10 ms:
 //! each effect's moment is split into its linear part, which joins the state matrix, and a remainder.
 
-use super::grey_box::{Disturbance, Plant, Q, State, StateMatrix, THETA};
+use super::grey_box::{
+    DISTURBANCE, Disturbance, GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU,
+};
 use super::kalman::{Channel, steady_gain};
 use crate::dataset::{Amplitudes, Run};
 use crate::diagnosis::effects::{Conditions, Effect};
@@ -12,7 +14,7 @@ use nalgebra::{RowSVector, SMatrix};
 /// Longest step of the midpoint rule, s.
 const LONGEST_STEP: f64 = 0.0101;
 /// Room for the effects' own states.
-const OWN_STATES: usize = 8;
+const OWN_STATES: usize = 12;
 /// A pitch rate is "rest" below this share of its standard deviation.
 const REST: f64 = 0.02;
 /// Leak of an angle that nothing observes, 1/s.
@@ -44,12 +46,27 @@ pub type Output = [f64; 2];
 pub struct PitchModel<'a> {
     plant: Plant,
     terms: &'a [Term],
+    /// Over one substep.
     transition: StateMatrix,
+    /// Over one substep, for the inner loop.
+    substep: Transition,
+    /// Over a whole sample, for the inner loop.
+    sample: Transition,
     per_moment: State,
+    /// Response of the state at the sample's end to a unit moment during each of its substeps.
+    per_moment_of_substep: Vec<State>,
     /// Response of the state to a unit rate added to θ̇.
     per_angle_rate: State,
     /// Moment on the airframe per state, N m.
-    moment_row: RowSVector<f64, 6>,
+    moment_row: RowSVector<f64, STATES>,
+    /// The states that are measured: rate and angle.
+    measured: (usize, usize),
+    /// Whether a term needs the motion within a sample.
+    within_sample: bool,
+    /// Delay of the input at the start of a recording, s.
+    delay: f64,
+    /// Where the input of each substep stands for that delay: between samples, held.
+    shifts: Vec<[Shift; 2]>,
     stiffness: f64,
     damping: f64,
     step: f64,
@@ -74,29 +91,62 @@ impl<'a> PitchModel<'a> {
         let substeps = (step / LONGEST_STEP).ceil().max(1.0) as usize;
         let dt = step / substeps as f64;
         let (stiffness, damping) = linear_part(terms, sizes, dt);
-        let continuous = plant.state_matrix(stiffness, damping, disturbance);
-        let mut block = SMatrix::<f64, 8, 8>::zeros();
-        block.fixed_view_mut::<6, 6>(0, 0).copy_from(&continuous);
-        block[(Q, 6)] = 1.0 / plant.inertia;
-        block[(THETA, 7)] = 1.0;
+        let mut continuous = plant.state_matrix(stiffness, damping, disturbance);
+        let (mut rate, angle) = plant.measured();
+        if let Some(lag) = terms.iter().find_map(|term| term.effect.gyro_lag(&term.values)) {
+            continuous[(GYRO, rate)] = 1.0 / lag;
+            continuous[(GYRO, GYRO)] = -1.0 / lag;
+            rate = GYRO;
+        }
+        let mut block = SMatrix::<f64, { STATES + 2 }, { STATES + 2 }>::zeros();
+        block.fixed_view_mut::<STATES, STATES>(0, 0).copy_from(&continuous);
+        block[(Q, STATES)] = 1.0 / plant.inertia;
+        block[(THETA, STATES + 1)] = 1.0;
+        if plant.mount.is_some() {
+            // Kinematics turn the mount along with the airframe: its deflection stays.
+            block[(THETA_IMU, STATES + 1)] = 1.0;
+        }
         block *= dt;
         if !block.amax().is_finite() || block.amax() > 1e4 {
             return None;
         }
+        let delay = plant.delay + later(terms, &Conditions { sizes: *sizes, ..Conditions::default() });
         let exp = block.exp();
+        let transition = exp.fixed_view::<STATES, STATES>(0, 0).into_owned();
+        let per_moment = exp.fixed_view::<STATES, 1>(0, STATES).into_owned();
+        let mut over_sample = transition;
+        let mut per_moment_of_substep = vec![per_moment];
+        for _ in 1..substeps {
+            per_moment_of_substep.insert(0, over_sample * per_moment);
+            over_sample = transition * over_sample;
+        }
         Some(Self {
             plant,
             terms,
-            transition: exp.fixed_view::<6, 6>(0, 0).into_owned(),
-            per_moment: exp.fixed_view::<6, 1>(0, 6).into_owned(),
-            per_angle_rate: exp.fixed_view::<6, 1>(0, 7).into_owned(),
+            transition,
+            substep: Transition::new(&transition),
+            sample: Transition::new(&over_sample),
+            per_moment,
+            per_moment_of_substep,
+            per_angle_rate: exp.fixed_view::<STATES, 1>(0, STATES + 1).into_owned(),
             moment_row: continuous.row(Q) * plant.inertia,
+            measured: (rate, angle),
+            within_sample: terms.iter().any(|term| term.effect.within_sample()),
+            delay,
+            shifts: (0..substeps)
+                .map(|i| [false, true].map(|held| Shift::new(delay, i, substeps, step, held)))
+                .collect(),
             stiffness,
             damping,
             step,
             substeps,
             sizes: *sizes,
         })
+    }
+
+    /// Indices of the states that are measured: rate and angle.
+    pub fn measured(&self) -> (usize, usize) {
+        self.measured
     }
 
     /// Kalman gain for the outputs that `run` has, under the noise model `disturbance`.
@@ -106,10 +156,10 @@ impl<'a> PitchModel<'a> {
             over_sample = self.transition * over_sample;
         }
         let mut drive = State::zeros();
-        drive[super::grey_box::DISTURBANCE + 1] = disturbance.intensity * (self.step / 2.0).sqrt();
+        drive[DISTURBANCE + 1] = disturbance.intensity * (self.step / 2.0).sqrt();
         let later = over_sample * drive;
         let process = drive * drive.transpose() + later * later.transpose();
-        let (rate, angle) = self.plant.measured();
+        let (rate, angle) = self.measured;
         let mut channels = Vec::with_capacity(2);
         if run.rate.is_some() {
             channels.push(Channel { state: rate, variance: 1.0 });
@@ -119,8 +169,8 @@ impl<'a> PitchModel<'a> {
             channels.push(Channel { state: angle, variance: noise * noise });
         } else {
             // The angle is a pure integrator that nothing observes: a slow leak keeps its variance finite.
-            for i in [THETA, super::grey_box::THETA_IMU] {
-                for j in 0..6 {
+            for i in [THETA, THETA_IMU] {
+                for j in 0..STATES {
                     over_sample[(i, j)] *= 1.0 - LEAK * self.step;
                 }
             }
@@ -135,17 +185,18 @@ impl<'a> PitchModel<'a> {
         let (rate, angle) = (first(&run.rate), first(&run.angle));
         let mut x = State::zeros();
         x[Q] = rate;
+        x[GYRO] = rate;
         x[THETA] = angle;
         if self.plant.mount.is_some() {
-            x[super::grey_box::Q_IMU] = rate;
-            x[super::grey_box::THETA_IMU] = angle;
+            x[Q_IMU] = rate;
+            x[THETA_IMU] = angle;
         }
         Point { x, own: [0.0; OWN_STATES] }
     }
 
     /// What the log shows at `point`.
     pub fn output(&self, point: &Point) -> Output {
-        let (rate, angle) = self.plant.measured();
+        let (rate, angle) = self.measured;
         let mut y = [point.x[rate], point.x[angle]];
         let mut offset = 0;
         for term in self.terms {
@@ -160,54 +211,77 @@ impl<'a> PitchModel<'a> {
     pub fn advance(&self, point: &mut Point, run: &Run, k: usize) -> bool {
         let dt = self.step / self.substeps as f64;
         let [roll_rate, yaw_rate, roll] = run.roll_and_yaw.as_ref().map_or([0.0; 3], |rows| rows[k]);
-        for i in 0..self.substeps {
+        let mut driven = State::zeros();
+        for (i, per_moment) in self.per_moment_of_substep.iter().enumerate() {
             let t = run.time(k) + i as f64 * dt;
-            let at = Conditions { t, dt, roll_rate, yaw_rate, roll, small_rate: REST * self.sizes.q };
-            let extra: f64 = self.terms.iter().map(|term| term.effect.delay(&term.values, &at)).sum();
-            let command = delayed_mean(run, t - self.plant.delay - extra - run.start, dt);
-            if self.terms.is_empty() {
-                point.x = self.transition * point.x + self.per_moment * (self.plant.dm_du * command);
+            let mut at = Conditions { t, dt, roll_rate, yaw_rate, roll, ..self.conditions() };
+            let delay = self.plant.delay + later(self.terms, &at);
+            let shift = if delay == self.delay {
+                self.shifts[i][usize::from(run.held)]
             } else {
-                self.step_with_terms(point, command, &at);
+                Shift::new(delay, i, self.substeps, self.step, run.held)
+            };
+            at.command = shift.apply(&run.u, k);
+            let control = self.plant.dm_du * self.actuated(point, &at);
+            if self.within_sample {
+                self.substep_with_terms(point, control, &at);
+            } else {
+                driven += per_moment * control;
             }
+        }
+        if !self.within_sample {
+            point.x = self.sample.apply(&point.x) + driven;
         }
         point.x[Q].abs() < DIVERGED * self.sizes.q
             && point.x[THETA].abs() < DIVERGED * self.sizes.theta.max(1.0)
     }
 
-    fn step_with_terms(&self, point: &mut Point, command: f64, at: &Conditions) {
-        let mut u = command;
+    fn conditions(&self) -> Conditions {
+        Conditions { small_rate: REST * self.sizes.q, sizes: self.sizes, ..Conditions::default() }
+    }
+
+    /// What the blades do in one substep when the delayed command arrives.
+    fn actuated(&self, point: &mut Point, at: &Conditions) -> f64 {
+        let mut u = at.command;
         let mut offset = 0;
         for term in self.terms {
             let states = term.effect.states();
             u = term.effect.actuate(&term.values, &mut point.own[offset..offset + states], u, at);
             offset += states;
         }
-        let control = self.plant.dm_du * u;
+        u
+    }
+
+    fn substep_with_terms(&self, point: &mut Point, control: f64, at: &Conditions) {
         let before = point.x;
-        let (moment, angle_rate) = self.nonlinear(&before, control, at);
-        point.x = self.transition * before
+        let (moment, angle_rate) = self.nonlinear(&before, &point.own, control, at);
+        point.x = self.substep.apply(&before)
             + self.per_moment * (control + moment)
             + self.per_angle_rate * angle_rate;
-        let (corrected, corrected_rate) = self.nonlinear(&((before + point.x) * 0.5), control, at);
+        let (corrected, corrected_rate) =
+            self.nonlinear(&((before + point.x) * 0.5), &point.own, control, at);
         point.x +=
             self.per_moment * (corrected - moment) + self.per_angle_rate * (corrected_rate - angle_rate);
-        let (rate, _) = self.plant.measured();
+        let (rate, angle) = self.measured;
+        let (q, theta, acceleration) = (point.x[rate], point.x[angle], control / self.plant.inertia);
         let mut offset = 0;
         for term in self.terms {
             let states = term.effect.states();
             let own = &mut point.own[offset..offset + states];
-            term.effect.sense(&term.values, own, point.x[rate], control / self.plant.inertia, at);
+            term.effect.sense(&term.values, own, q, theta, acceleration, at);
             offset += states;
         }
     }
 
     /// Moment and rate of the angle that the effects add to the linear model at state `x`.
-    fn nonlinear(&self, x: &State, control: f64, at: &Conditions) -> (f64, f64) {
+    fn nonlinear(&self, x: &State, own: &[f64; OWN_STATES], control: f64, at: &Conditions) -> (f64, f64) {
         let (q, theta) = (x[Q], x[THETA]);
         let (mut moment, mut angle_rate, mut inertia) = (self.stiffness * theta + self.damping * q, 0.0, 1.0);
+        let mut offset = 0;
         for term in self.terms {
-            moment += term.effect.moment(&term.values, q, theta, at);
+            let states = term.effect.states();
+            moment += term.effect.moment(&term.values, &own[offset..offset + states], q, theta, at);
+            offset += states;
             angle_rate += term.effect.angle_rate(&term.values, q, at);
             inertia *= term.effect.inertia(&term.values, at);
         }
@@ -266,32 +340,83 @@ impl<'a> PitchModel<'a> {
     }
 }
 
-/// Mean of the input over `dt` seconds from `from` (s after the run's first sample); before the run its first value.
-fn delayed_mean(run: &Run, from: f64, dt: f64) -> f64 {
-    let at = |index: f64| run.u[(index.max(0.0) as usize).min(run.len() - 1)];
-    let begin = from / run.step;
-    let length = dt / run.step;
-    if !run.held {
-        let middle = begin + 0.5 * length;
-        let low = middle.floor();
-        return at(low) + (middle - low) * (at(low + 1.0) - at(low));
+/// A state matrix by columns, the disturbance's block apart: it acts on the plant, the plant never on it.
+struct Transition {
+    on_plant: [[f64; DISTURBANCE]; STATES],
+    on_disturbance: [[f64; 2]; 2],
+}
+
+impl Transition {
+    fn new(matrix: &StateMatrix) -> Self {
+        Self {
+            on_plant: core::array::from_fn(|j| core::array::from_fn(|i| matrix[(i, j)])),
+            on_disturbance: core::array::from_fn(|j| {
+                core::array::from_fn(|i| matrix[(DISTURBANCE + i, DISTURBANCE + j)])
+            }),
+        }
     }
-    // A hair's breadth forward, so that a delay of whole samples does not straddle two of them by rounding.
-    let first = (begin + 1e-9).floor();
-    let beyond = begin + length - (first + 1.0);
-    if beyond <= 1e-9 {
-        return at(first);
+
+    fn apply(&self, x: &State) -> State {
+        let mut plant = [0.0; DISTURBANCE];
+        for (column, &x) in self.on_plant.iter().zip(x.iter()) {
+            for (sum, &entry) in plant.iter_mut().zip(column) {
+                *sum += entry * x;
+            }
+        }
+        let [a, b] = self.on_disturbance;
+        let (slow, fast) = (x[DISTURBANCE], x[DISTURBANCE + 1]);
+        let [q, q_imu, theta, theta_imu, gyro] = plant;
+        let disturbance = [a[0] * slow + b[0] * fast, a[1] * slow + b[1] * fast];
+        State::from([q, q_imu, theta, theta_imu, gyro, disturbance[0], disturbance[1]])
     }
-    let share = beyond / length;
-    at(first) * (1.0 - share) + at(first + 1.0) * share
+}
+
+/// Delay that the terms add, s.
+fn later(terms: &[Term], at: &Conditions) -> f64 {
+    terms.iter().map(|term| term.effect.delay(&term.values, at)).sum()
+}
+
+/// Where the delayed input of one substep stands, relative to the row at hand.
+#[derive(Clone, Copy)]
+struct Shift {
+    rows: isize,
+    /// Share of the later one of the two rows that meet there.
+    share: f64,
+}
+
+impl Shift {
+    /// For substep `i` of `substeps`: the mean over the substep where the input is held, its value in the middle where
+    /// it is interpolated.
+    fn new(delay: f64, i: usize, substeps: usize, step: f64, held: bool) -> Self {
+        let length = 1.0 / substeps as f64;
+        let begin = i as f64 * length - delay / step;
+        let (from, share) = if held {
+            // A hair's breadth forward, so that a delay of whole samples does not straddle two of them by rounding.
+            let first = (begin + 1e-9).floor();
+            (first, ((begin + length - first - 1.0) / length).max(0.0))
+        } else {
+            let middle = begin + 0.5 * length;
+            (middle.floor(), middle - middle.floor())
+        };
+        Self { rows: from as isize, share: if share <= 1e-9 { 0.0 } else { share } }
+    }
+
+    /// The input; before its first row and after its last as it is there.
+    fn apply(&self, u: &[f64], k: usize) -> f64 {
+        let last = u.len() - 1;
+        let at = |i: isize| u[usize::try_from(i).unwrap_or(0).min(last)];
+        let first = k as isize + self.rows;
+        at(first) * (1.0 - self.share) + at(first + 1) * self.share
+    }
 }
 
 /// Stiffness and damping (N m/rad, N m s/rad) that stand for the effects' moments in the mean, at the signals'
 /// sizes: statistical linearisation (Booton, 1954) by three Gauss–Hermite nodes.
 fn linear_part(terms: &[Term], sizes: &Amplitudes, dt: f64) -> (f64, f64) {
-    let at = Conditions { dt, small_rate: REST * sizes.q, ..Conditions::default() };
+    let at = Conditions { dt, small_rate: REST * sizes.q, sizes: *sizes, ..Conditions::default() };
+    let own = [0.0; OWN_STATES];
     let moment = |q: f64, theta: f64| -> f64 {
-        terms.iter().map(|term| term.effect.moment(&term.values, q, theta, &at)).sum()
+        terms.iter().map(|term| term.effect.moment(&term.values, &own, q, theta, &at)).sum()
     };
     let root = 3f64.sqrt();
     let slope = |plus: f64, minus: f64, size: f64| -(plus - minus) / (2.0 * root * size);

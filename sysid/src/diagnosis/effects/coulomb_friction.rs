@@ -32,7 +32,10 @@ impl Effect for CoulombFriction {
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         vec![vec![0.1 * data.moment]]
     }
-    fn moment(&self, p: &[f64], q: f64, _theta: f64, at: &Conditions) -> f64 {
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn moment(&self, p: &[f64], _s: &[f64], q: f64, _theta: f64, at: &Conditions) -> f64 {
         -p[0] * (q / at.small_rate).tanh()
     }
 }

@@ -29,7 +29,10 @@ impl Effect for CubicStiffness {
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         [0.1, 0.5].map(|share| vec![share * data.moment / data.theta.powi(3)]).to_vec()
     }
-    fn moment(&self, p: &[f64], _q: f64, theta: f64, _at: &Conditions) -> f64 {
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn moment(&self, p: &[f64], _s: &[f64], _q: f64, theta: f64, _at: &Conditions) -> f64 {
         -p[0] * theta.powi(3)
     }
 }

@@ -39,7 +39,10 @@ impl Effect for EndStop {
         let unit = data.moment / data.theta;
         [0.7, 1.2, 1.8].map(|share| vec![share * data.theta, unit]).to_vec()
     }
-    fn moment(&self, p: &[f64], _q: f64, theta: f64, _at: &Conditions) -> f64 {
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn moment(&self, p: &[f64], _s: &[f64], _q: f64, theta: f64, _at: &Conditions) -> f64 {
         -p[1] * (theta - theta.clamp(-p[0], p[0]))
     }
 }

@@ -29,7 +29,10 @@ impl Effect for GravityStiffness {
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         vec![vec![0.1 * data.moment / data.theta], vec![data.moment / data.theta]]
     }
-    fn moment(&self, p: &[f64], _q: f64, theta: f64, _at: &Conditions) -> f64 {
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn moment(&self, p: &[f64], _s: &[f64], _q: f64, theta: f64, _at: &Conditions) -> f64 {
         -p[0] * theta.sin()
     }
 }

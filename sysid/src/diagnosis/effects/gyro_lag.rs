@@ -1,9 +1,8 @@
 //! The gyro is low-pass filtered.
 
-use super::{About, Amplitudes, Conditions, Effect, Locus, Parameter, Scale};
+use super::{About, Amplitudes, Effect, Locus, Parameter, Scale};
 use crate::dataset::Dataset;
 use crate::diagnosis::baseline::Baseline;
-use crate::model::pitch::Output;
 
 /// T q̇_meas = q − q_meas.
 pub struct GyroLag;
@@ -28,13 +27,7 @@ impl Effect for GyroLag {
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
         data.has_rate
     }
-    fn states(&self) -> usize {
-        1
-    }
-    fn sense(&self, p: &[f64], s: &mut [f64], q: f64, _control: f64, at: &Conditions) {
-        s[0] += (q - s[0]) * -(-at.dt / p[0]).exp_m1();
-    }
-    fn measure(&self, _p: &[f64], s: &[f64], y: Output) -> Output {
-        [s[0], y[1]]
+    fn gyro_lag(&self, p: &[f64]) -> Option<f64> {
+        Some(p[0])
     }
 }

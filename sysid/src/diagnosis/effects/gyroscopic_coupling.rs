@@ -27,7 +27,10 @@ impl Effect for GyroscopicCoupling {
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
         data.runs.iter().all(|run| run.roll_and_yaw.is_some())
     }
-    fn moment(&self, p: &[f64], _q: f64, _theta: f64, at: &Conditions) -> f64 {
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn moment(&self, p: &[f64], _s: &[f64], _q: f64, _theta: f64, at: &Conditions) -> f64 {
         p[0] * at.roll_rate * at.yaw_rate
     }
     fn angle_rate(&self, _p: &[f64], q: f64, at: &Conditions) -> f64 {

@@ -31,6 +31,9 @@ impl Effect for InertiaStep {
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         (1..10).map(|i| vec![0.1, 0.1 * f64::from(i) * data.duration]).collect()
     }
+    fn within_sample(&self) -> bool {
+        true
+    }
     fn inertia(&self, p: &[f64], at: &Conditions) -> f64 {
         // The share of the step after the change, so that the likelihood moves smoothly with t*.
         1.0 + p[0] * ((at.t + at.dt - p[1]) / at.dt).clamp(0.0, 1.0)

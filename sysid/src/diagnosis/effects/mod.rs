@@ -11,6 +11,7 @@ mod effectiveness_fade;
 mod end_stop;
 mod extra_delay;
 mod gravity_stiffness;
+pub mod gust_disturbance;
 mod gyro_bias;
 mod gyro_lag;
 mod gyro_saturation;
@@ -90,6 +91,10 @@ pub struct Conditions {
     pub roll: f64,
     /// A pitch rate that counts as rest, rad/s: where a sign change is smoothed.
     pub small_rate: f64,
+    /// The delayed command u_c, mean over the step.
+    pub command: f64,
+    /// Sizes of the signals.
+    pub sizes: Amplitudes,
 }
 
 /// What an effect is called, and how it is told to a person.
@@ -125,8 +130,16 @@ pub trait Effect: Sync {
     fn states(&self) -> usize {
         0
     }
+    /// Whether it acts on the motion, or is moved by it, within a sample: then samples are cut into substeps.
+    fn within_sample(&self) -> bool {
+        false
+    }
     /// Changes parameters of the plant.
     fn plant(&self, _p: &[f64], _plant: &mut Plant) {}
+    /// Time constant of a first-order filter between the rate at the IMU and its measurement, s.
+    fn gyro_lag(&self, _p: &[f64]) -> Option<f64> {
+        None
+    }
     /// Delay of the input beyond the plant's, s.
     fn delay(&self, _p: &[f64], _at: &Conditions) -> f64 {
         0.0
@@ -135,8 +148,8 @@ pub trait Effect: Sync {
     fn actuate(&self, _p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
         u
     }
-    /// Moment added to the airframe, N m, at pitch rate `q` and angle `theta`.
-    fn moment(&self, _p: &[f64], _q: f64, _theta: f64, _at: &Conditions) -> f64 {
+    /// Moment added to the airframe, N m, at pitch rate `q` and angle `theta`, with its own states `s`.
+    fn moment(&self, _p: &[f64], _s: &[f64], _q: f64, _theta: f64, _at: &Conditions) -> f64 {
         0.0
     }
     /// Factor on the pitch inertia.
@@ -147,9 +160,9 @@ pub trait Effect: Sync {
     fn angle_rate(&self, _p: &[f64], _q: f64, _at: &Conditions) -> f64 {
         0.0
     }
-    /// Moves the states of a sensor (or of what shakes it) over one step, with the pitch rate `q` at the IMU in rad/s
-    /// and the acceleration `control` that the control moment gives the airframe in rad/s².
-    fn sense(&self, _p: &[f64], _s: &mut [f64], _q: f64, _control: f64, _at: &Conditions) {}
+    /// Moves its own states over one step, with the pitch rate `q` in rad/s and angle `theta` in rad at the IMU and the
+    /// acceleration `control` that the control moment gives the airframe in rad/s².
+    fn sense(&self, _p: &[f64], _s: &mut [f64], _q: f64, _theta: f64, _control: f64, _at: &Conditions) {}
     /// What the log shows of the rate and angle `y` at the IMU.
     fn measure(&self, _p: &[f64], _s: &[f64], y: Output) -> Output {
         y
@@ -182,6 +195,7 @@ pub const CATALOGUE: &[&dyn Effect] = &[
     &gyro_lag::GyroLag,
     &gyro_saturation::GyroSaturation,
     &imu_mount::ImuMount,
+    &gust_disturbance::GustDisturbance,
 ];
 
 /// The effect with this id.

@@ -29,7 +29,10 @@ impl Effect for QuadraticDrag {
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         vec![vec![0.1 * data.moment / (data.q * data.q)]]
     }
-    fn moment(&self, p: &[f64], q: f64, _theta: f64, _at: &Conditions) -> f64 {
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn moment(&self, p: &[f64], _s: &[f64], q: f64, _theta: f64, _at: &Conditions) -> f64 {
         -p[0] * q * q.abs()
     }
 }

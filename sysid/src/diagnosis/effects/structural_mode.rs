@@ -32,8 +32,11 @@ impl Effect for StructuralMode {
     fn states(&self) -> usize {
         2
     }
+    fn within_sample(&self) -> bool {
+        true
+    }
     /// Exact for an acceleration that is constant over the step; states (η, η̇).
-    fn sense(&self, p: &[f64], s: &mut [f64], _q: f64, control: f64, at: &Conditions) {
+    fn sense(&self, p: &[f64], s: &mut [f64], _q: f64, _theta: f64, control: f64, at: &Conditions) {
         let (omega, zeta) = (p[0], p[1]);
         let rest = p[2] * control / (omega * omega);
         let damped = omega * (1.0 - zeta * zeta).sqrt();

@@ -29,7 +29,10 @@ impl Effect for TrimOffset {
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
-    fn moment(&self, p: &[f64], _q: f64, _theta: f64, _at: &Conditions) -> f64 {
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn moment(&self, p: &[f64], _s: &[f64], _q: f64, _theta: f64, _at: &Conditions) -> f64 {
         p[0]
     }
 }

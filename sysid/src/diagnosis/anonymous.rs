@@ -1,0 +1,299 @@
+//! Terms without a name: flexible enough to stand for physics that no catalogue lists, in one variable each.
+//!
+//! Each adds Σ c_i φ_i to the moment (or to the measured rate), with fixed shapes φ_i of the scaled signals
+//! x = q/σ_q, y = θ/σ_θ, v = u_c/σ_u, of the time, or of their first-order lags. A named effect that is the right one
+//! leaves nothing for them to explain.
+
+use super::effects::{About, Amplitudes, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::pitch::Output;
+
+/// Most shapes of one term.
+const MOST: usize = 8;
+const NAMES: [&str; MOST] = ["c1", "c2", "c3", "c4", "c5", "c6", "c7", "c8"];
+/// A sign change is smoothed over this share of a standard deviation.
+const SHARP: f64 = 0.05;
+
+/// The signals that shapes are made of, scaled by their sizes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Signals {
+    x: f64,
+    y: f64,
+    v: f64,
+    /// Time as a share of the data's length.
+    t: f64,
+    /// The term's own lags.
+    lags: [f64; 3],
+}
+
+/// A term without a name.
+pub struct Anonymous {
+    id: &'static str,
+    locus: Locus,
+    variable: &'static str,
+    /// As the end of "what is missing is ...".
+    words: &'static str,
+    count: usize,
+    shapes: fn(&Signals) -> [f64; MOST],
+    /// Inputs of the lags with their time constants in s.
+    lags: Option<fn(&Signals) -> [(f64, f64); 3]>,
+    /// Adds to the measured rate instead of the moment.
+    measured: bool,
+    /// Acts at given times only: says nothing of data of another time.
+    pub local_in_time: bool,
+}
+
+const PLAIN: Anonymous = Anonymous {
+    id: "",
+    locus: Locus::PitchMoment,
+    variable: "",
+    words: "",
+    count: 0,
+    shapes: |_| [0.0; MOST],
+    lags: None,
+    measured: false,
+    local_in_time: false,
+};
+
+fn shapes<const N: usize>(some: [f64; N]) -> [f64; MOST] {
+    let mut all = [0.0; MOST];
+    all[..N].copy_from_slice(&some);
+    all
+}
+
+fn sign(x: f64) -> f64 {
+    (x / SHARP).tanh()
+}
+
+fn beyond(x: f64, edge: f64) -> f64 {
+    (x.abs() - edge).max(0.0) * x.signum()
+}
+
+/// Roof functions on eight equal parts of the time.
+fn roofs(t: f64) -> [f64; MOST] {
+    let place = t * (MOST - 1) as f64;
+    core::array::from_fn(|i| (1.0 - (place - i as f64).abs()).max(0.0))
+}
+
+/// All terms without a name.
+pub const ANONYMOUS: &[&Anonymous] = &[
+    &Anonymous {
+        id: "of_q",
+        variable: "q",
+        words: "a moment that depends on the pitch rate",
+        count: 4,
+        shapes: |s| shapes([sign(s.x), beyond(s.x, 0.7), s.x.abs(), s.x * s.x.abs()]),
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "of_theta",
+        variable: "theta",
+        words: "a moment that depends on the pitch angle",
+        count: 4,
+        shapes: |s| shapes([s.y, s.y.abs(), s.y * s.y * s.y, beyond(s.y, 1.2)]),
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "of_u",
+        locus: Locus::Actuator,
+        variable: "u",
+        words: "a moment that is not proportional to the command",
+        count: 3,
+        shapes: |s| shapes([1.0, s.v.abs(), s.v * s.v.abs()]),
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "of_products",
+        variable: "q u",
+        words: "a moment that depends on products of rate, angle and command",
+        count: 7,
+        shapes: |s| {
+            let Signals { x, y, v, .. } = *s;
+            shapes([x.abs() * v, x * v.abs(), y.abs() * v, x * y.abs(), x * v, y * v, x * y])
+        },
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "of_q_and_theta",
+        variable: "theta",
+        words: "a friction that depends on the angle",
+        count: 4,
+        shapes: |s| {
+            let near = |angle: f64| (1.0 - (s.y - angle).abs()).max(0.0) * sign(s.x);
+            shapes([near(-1.5), near(-0.5), near(0.5), near(1.5)])
+        },
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "gain_over_time",
+        locus: Locus::Actuator,
+        variable: "t",
+        words: "an effectiveness of the blades that changes over time",
+        count: 7,
+        shapes: |s| {
+            let [_, rest @ ..] = roofs(s.t);
+            shapes(rest.map(|r| r * s.v))
+        },
+        local_in_time: true,
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "moment_over_time",
+        locus: Locus::Environment,
+        variable: "t",
+        words: "a moment that depends on the time alone",
+        count: 8,
+        shapes: |s| roofs(s.t),
+        local_in_time: true,
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "damping_over_time",
+        variable: "t",
+        words: "a damping that changes over time",
+        count: 7,
+        shapes: |s| {
+            let [_, rest @ ..] = roofs(s.t);
+            shapes(rest.map(|r| r * s.x))
+        },
+        local_in_time: true,
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "memory_of_u",
+        locus: Locus::Actuator,
+        variable: "u_rate",
+        words: "a moment that follows the command with further lags",
+        count: 3,
+        shapes: |s| shapes(s.lags),
+        lags: Some(|s| [(s.v, 0.06), (s.v, 0.2), (s.v, 0.6)]),
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "memory_of_motion",
+        variable: "theta",
+        words: "a moment that depends on the motion before",
+        count: 3,
+        shapes: |s| shapes(s.lags),
+        lags: Some(|s| [(s.x, 0.2), (s.y, 0.2), (s.y, 1.0)]),
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "seen_by_the_gyro",
+        locus: Locus::Sensor,
+        variable: "u",
+        words: "a measured rate that the command shakes directly",
+        count: 3,
+        shapes: |s| shapes([s.v, s.v.abs(), s.lags[0]]),
+        lags: Some(|s| [(s.v, 0.03), (0.0, 1.0), (0.0, 1.0)]),
+        measured: true,
+        ..PLAIN
+    },
+];
+
+impl Anonymous {
+    fn signals(&self, s: &[f64], q: f64, theta: f64, at: &Conditions) -> Signals {
+        let sizes = &at.sizes;
+        let lags = if self.lags.is_some() { [s[0], s[1], s[2]] } else { [0.0; 3] };
+        let (x, y) = (q / sizes.q, theta / sizes.theta.max(f64::MIN_POSITIVE));
+        Signals { x, y, v: at.command / sizes.u, t: at.t / sizes.duration, lags }
+    }
+
+    fn sum(&self, p: &[f64], signals: &Signals) -> f64 {
+        (self.shapes)(signals).iter().zip(p).map(|(shape, c)| shape * c).sum()
+    }
+
+    /// The term with its coefficients in words: how large it is where its variable is small and large.
+    pub fn told(&self, p: &[f64], sizes: &Amplitudes) -> String {
+        let at = |change: &dyn Fn(&mut Signals)| {
+            let mut signals = Signals::default();
+            change(&mut signals);
+            super::words::digits(self.sum(p, &signals))
+        };
+        let [q, theta] = [sizes.q, sizes.theta].map(super::words::digits);
+        let values = match self.id {
+            "of_q" => {
+                format!("{} and {} N m at q = -{q} and {q} rad/s", at(&|s| s.x = -1.0), at(&|s| s.x = 1.0))
+            }
+            "of_theta" => format!(
+                "{} and {} N m at theta = -{theta} and {theta} rad",
+                at(&|s| s.y = -1.0),
+                at(&|s| s.y = 1.0)
+            ),
+            "moment_over_time" => {
+                let moments: Vec<String> =
+                    (0..MOST).map(|i| at(&|s| s.t = i as f64 / (MOST - 1) as f64)).collect();
+                format!("{} N m from the first second to the last", moments.join(", "))
+            }
+            "gain_over_time" | "damping_over_time" => {
+                let moments: Vec<String> = (0..MOST)
+                    .map(|i| {
+                        at(&|s| {
+                            (s.x, s.v, s.t) = (1.0, 1.0, i as f64 / (MOST - 1) as f64);
+                        })
+                    })
+                    .collect();
+                format!("{} N m per usual amplitude from the first second to the last", moments.join(", "))
+            }
+            _ => {
+                let coefficients: Vec<String> = p.iter().map(|c| super::words::digits(*c)).collect();
+                let unit = if self.measured { "rad/s" } else { "N m" };
+                format!("coefficients {} {unit}", coefficients.join(", "))
+            }
+        };
+        format!("{}: {values}", self.words)
+    }
+}
+
+impl Effect for Anonymous {
+    fn about(&self) -> About {
+        About {
+            id: self.id,
+            locus: self.locus,
+            sentence: self.words,
+            equation: self.words,
+            variable: self.variable,
+            condition: "as the fitted curve says",
+        }
+    }
+    fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
+        let (unit, size) = if self.measured { ("rad/s", data.q) } else { ("N m", data.moment) };
+        let one = |&name: &&'static str| Parameter {
+            name,
+            unit,
+            lower: -20.0 * size,
+            upper: 20.0 * size,
+            scale: Scale::Linear(0.02 * size),
+        };
+        NAMES[..self.count].iter().map(one).collect()
+    }
+    fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
+        vec![vec![0.0; self.count]]
+    }
+    fn states(&self) -> usize {
+        if self.lags.is_some() { 3 } else { 0 }
+    }
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn moment(&self, p: &[f64], s: &[f64], q: f64, theta: f64, at: &Conditions) -> f64 {
+        if self.measured { 0.0 } else { self.sum(p, &self.signals(s, q, theta, at)) }
+    }
+    fn sense(&self, _p: &[f64], s: &mut [f64], q: f64, theta: f64, _control: f64, at: &Conditions) {
+        let Some(lags) = self.lags else { return };
+        let inputs = lags(&self.signals(s, q, theta, at));
+        for (state, (input, time)) in s.iter_mut().zip(inputs) {
+            *state += (input - *state) * -(-at.dt / time).exp_m1();
+        }
+        if self.measured {
+            // A measurement is made at the end of the step: what it shows of the command is kept till then.
+            (s[1], s[2]) = (at.command / at.sizes.u, 0.0);
+        }
+    }
+    fn measure(&self, p: &[f64], s: &[f64], y: Output) -> Output {
+        if !self.measured {
+            return y;
+        }
+        let signals = Signals { v: s[1], lags: [s[0], 0.0, 0.0], ..Signals::default() };
+        [y[0] + self.sum(p, &signals), y[1]]
+    }
+}

@@ -1,0 +1,152 @@
+//! What is made of a selection: effects that held-out data do not confirm are taken out again, what no effect of the
+//! catalogue explains is told apart, and the verdict is given.
+
+use super::answer::Verdict;
+use super::gust::{Gust, gust};
+use super::held_out::Split;
+use super::judge::{Judged, held_out_gain};
+use super::problem::Problem;
+use super::rank::{DETECTION, Finding, Selection, without};
+use super::unlisted::{Leftover, leftover};
+use std::collections::BTreeMap;
+
+/// Where nothing is found at all, a mean distance of the sections that were fitted on to their ceilings beyond this, in
+/// points of VAF, says that physics is missing all the same. The ceiling is fitted to each section itself and so lies a
+/// few points too high under strong disturbance.
+const UNEXPLAINED_POINTS: f64 = 12.0;
+/// A term without a name that gains more than this share of what all terms gain stands for the physics that is missing;
+/// below it, it mends what the named effect's idealised equation leaves.
+const LARGE_LEFTOVER: f64 = 0.1;
+/// A correction whose free run on the held-out sections is this much worse, in points of VAF, is not made.
+const COST_POINTS: f64 = 0.5;
+
+/// Everything the answer is made from.
+pub struct Judgement<'p, 'd> {
+    /// The data and the baseline.
+    pub problem: &'p Problem<'d>,
+    /// Which sections are held out.
+    pub split: &'p Split,
+    /// Effects of the catalogue, largest contribution first.
+    pub findings: Vec<Finding>,
+    /// A disturbance that is more than background.
+    pub gust: Option<Gust>,
+    /// A term without a name that the catalogue's effects do not make needless.
+    pub unlisted: Option<Leftover>,
+    /// The baseline, its parameters estimated again.
+    pub baseline: Judged,
+    /// With all terms that were added.
+    pub extended: Judged,
+    /// 2 log likelihood of the one-step prediction that the terms gain on the held-out sections.
+    pub likelihood_gain: f64,
+    /// Effects that the training data asked for and the held-out data did not confirm.
+    pub refused: Vec<&'static str>,
+    /// Whether the free run of the held-out sections is better with the terms: else the simulation keeps the baseline.
+    pub corrected: bool,
+}
+
+impl<'p, 'd> Judgement<'p, 'd> {
+    /// Judges a selection.
+    pub fn new(problem: &'p Problem<'d>, split: &'p Split, selection: Selection) -> Self {
+        let mut refused = Vec::new();
+        let mut selection = confirmed(problem, split, selection, &mut refused);
+        let unlisted = unlisted(problem, split, &mut selection);
+        let Selection { baseline, extended, findings } = selection;
+        let likelihood_gain = held_out_gain(problem, split, &baseline, &extended);
+        let gust = gust(problem, &extended);
+        let baseline = Judged::new(problem, split, baseline);
+        let extended = Judged::new(problem, split, extended);
+        let corrected = extended.held_out_vaf(split) >= baseline.held_out_vaf(split) - COST_POINTS;
+        Self {
+            problem,
+            split,
+            findings,
+            gust,
+            unlisted,
+            baseline,
+            extended,
+            likelihood_gain,
+            refused,
+            corrected,
+        }
+    }
+
+    /// `ceiling` is the best VAF that any model reaches, section by section.
+    pub fn verdict(&self, ceiling: &BTreeMap<String, f64>) -> Verdict {
+        if self.unlisted.is_some() || self.gap_to(ceiling) > UNEXPLAINED_POINTS {
+            return Verdict::Unlisted;
+        }
+        if self.findings.is_empty() && self.gust.is_none() {
+            return Verdict::NoMismatch;
+        }
+        let ruled_out = self.findings.iter().all(|f| f.rivals.is_empty());
+        if ruled_out { Verdict::Named } else { Verdict::Ambiguous }
+    }
+
+    /// Points of VAF by which the sections that were fitted on stay below their ceilings, in the mean.
+    fn gap_to(&self, ceiling: &BTreeMap<String, f64>) -> f64 {
+        let training = self.split.training.iter().zip(&self.extended.vaf);
+        let gaps: Vec<f64> = training.filter_map(|(p, vaf)| Some(ceiling.get(&p.label)? - vaf)).collect();
+        gaps.iter().sum::<f64>() / gaps.len().max(1) as f64
+    }
+
+    /// The model that simulates: with the terms, unless that costs on the held-out sections.
+    pub fn simulated(&self) -> &Judged {
+        if self.corrected { &self.extended } else { &self.baseline }
+    }
+
+    /// Points of VAF that the terms gain on the held-out sections.
+    pub fn vaf_gain(&self) -> f64 {
+        self.extended.held_out_vaf(self.split) - self.baseline.held_out_vaf(self.split)
+    }
+}
+
+/// Takes the weakest effect out again, one after the other, until the held-out data are predicted better than by the
+/// baseline.
+fn confirmed(
+    problem: &Problem<'_>,
+    split: &Split,
+    selection: Selection,
+    refused: &mut Vec<&'static str>,
+) -> Selection {
+    let Selection { baseline, mut extended, mut findings } = selection;
+    while let Some(weakest) = findings.last() {
+        if held_out_gain(problem, split, &baseline, &extended) > 0.0 {
+            break;
+        }
+        let id = weakest.effect.about().id;
+        refused.push(id);
+        findings.pop();
+        let position = extended.ids().iter().position(|other| *other == id);
+        match position.and_then(|i| without(problem, &extended, i)) {
+            Some(less) => extended = less,
+            None => findings.clear(),
+        }
+    }
+    if findings.is_empty() {
+        extended = baseline.clone();
+    }
+    Selection { baseline, extended, findings }
+}
+
+/// The term without a name that is needed besides or instead of the named effects; the selection is changed to match.
+fn unlisted(problem: &Problem<'_>, split: &Split, selection: &mut Selection) -> Option<Leftover> {
+    let found = leftover(problem, selection)?;
+    if found.delta_bic < DETECTION {
+        return None;
+    }
+    let instead =
+        found.alone.as_ref().filter(|alone| alone.bic(problem) + DETECTION < selection.extended.bic(problem));
+    if instead.is_none() && found.share < LARGE_LEFTOVER {
+        return None;
+    }
+    let chosen = instead.unwrap_or(&found.with).clone();
+    let confirmed = held_out_gain(problem, split, &selection.extended, &chosen) > 0.0;
+    if !confirmed && !found.term.local_in_time {
+        return None;
+    }
+    if instead.is_some() {
+        selection.findings.clear();
+    }
+    selection.extended = chosen;
+    Some(found)
+}
