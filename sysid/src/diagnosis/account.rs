@@ -36,7 +36,8 @@ pub fn account(judgement: &Judgement<'_, '_>, notes: Vec<String>) -> Diagnosis {
     };
     let mut effects = judgement.effects(&fit);
     if let (Verdict::Unlisted, None, Some(location)) = (verdict, &judgement.unlisted, &location) {
-        effects.insert(0, undescribed(location));
+        let words = judgement.departure.as_ref().map(|departure| departure.words.clone());
+        effects.insert(0, undescribed(location, words, judgement.heavy_tails));
     }
     let next_experiment = judgement
         .findings
@@ -93,13 +94,19 @@ impl Judgement<'_, '_> {
                 locus: about.locus,
                 equation: about.equation.into(),
                 parameters: own(about.id),
-                probability: finding.probability,
+                probability: finding.probability.min(self.surest()),
                 alternatives: finding.rivals.iter().map(alternative).collect(),
                 evidence: self.evidence(finding.delta_bic, finding.p_value),
             });
         }
         effects.extend(self.gust.as_ref().map(|gust| self.told(gust)));
         effects
+    }
+
+    /// Probabilities are those among the candidates if the noise is what it is taken for; where it is not, none is sure.
+    fn surest(&self) -> f64 {
+        const NOT_SURE: f64 = 0.85;
+        if self.heavy_tails || self.departure.is_some() { NOT_SURE } else { 1.0 }
     }
 
     fn evidence(&self, delta_bic: f64, p_value: f64) -> Evidence {
@@ -167,12 +174,18 @@ impl Judgement<'_, '_> {
         };
         Location {
             locus,
-            time_s: self.since().unwrap_or_else(|| time_windows(problem, before, after)),
+            time_s: self.when().unwrap_or_else(|| time_windows(problem, before, after)),
             band_rad_s: band(problem, before, after, &split.training).unwrap_or([0.0, nyquist]),
             variable: strongest.unwrap_or_else(|| variable.into()),
             condition: condition.into(),
             dependence,
         }
+    }
+
+    /// The windows of a departure, or from the moment on that an effect begins at.
+    fn when(&self) -> Option<Vec<[f64; 2]>> {
+        let windows = self.departure.as_ref().map(|departure| departure.windows.clone());
+        windows.filter(|w| !w.is_empty()).or_else(|| self.since())
     }
 
     /// From the moment on that an effect begins at to the end of the data, where an effect has such a moment.
@@ -204,10 +217,14 @@ impl Gust {
 
 /// What is told of a mismatch that nothing explains, with or without a name: on what the residual moment depends, and
 /// how large it is there.
-fn undescribed(location: &Location) -> EffectAnswer {
+fn undescribed(location: &Location, departure: Option<String>, heavy_tails: bool) -> EffectAnswer {
     let strongest = location.dependence.first().filter(|d| d.share > 0.0);
-    let equation = match strongest {
-        Some(d) => {
+    let equation = match (departure, strongest) {
+        (Some(words), _) => words,
+        (None, _) if heavy_tails => {
+            "errors that come and go: far larger at times than noise is, following no variable".into()
+        }
+        (None, Some(d)) => {
             let told = |[x, moment, _]: &[f64; 3]| format!("{} N m at {}", digits(*moment), digits(*x));
             let (low, high) = (d.classes.first().map(told), d.classes.last().map(told));
             format!(
@@ -219,7 +236,7 @@ fn undescribed(location: &Location) -> EffectAnswer {
                 d.unit
             )
         }
-        None => "a moment that depends on none of u, its rate, q, theta and t alone".into(),
+        (None, None) => "a moment that depends on none of u, its rate, q, theta and t alone".into(),
     };
     EffectAnswer {
         id: "unlisted".into(),

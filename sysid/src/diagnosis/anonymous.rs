@@ -21,8 +21,8 @@ pub struct Signals {
     v: f64,
     /// Time as a share of the data's length.
     t: f64,
-    /// The term's own lags.
-    lags: [f64; 3],
+    /// The term's own memory.
+    memory: [f64; 3],
 }
 
 /// A term without a name.
@@ -34,8 +34,8 @@ pub struct Anonymous {
     words: &'static str,
     count: usize,
     shapes: fn(&Signals) -> [f64; MOST],
-    /// Inputs of the lags with their time constants in s.
-    lags: Option<fn(&Signals) -> [(f64, f64); 3]>,
+    /// How the term's memory moves over a step of so many s.
+    memory: Option<fn(&mut [f64; 3], &Signals, f64)>,
     /// Adds to the measured rate instead of the moment.
     measured: bool,
     /// Acts at given times only: says nothing of data of another time.
@@ -49,7 +49,7 @@ const PLAIN: Anonymous = Anonymous {
     words: "",
     count: 0,
     shapes: |_| [0.0; MOST],
-    lags: None,
+    memory: None,
     measured: false,
     local_in_time: false,
 };
@@ -74,6 +74,16 @@ fn roofs(t: f64) -> [f64; MOST] {
     core::array::from_fn(|i| (1.0 - (place - i as f64).abs()).max(0.0))
 }
 
+/// A first-order lag of `input` over a step of `dt` s.
+fn lag(state: &mut f64, input: f64, time: f64, dt: f64) {
+    *state += (input - *state) * -(-dt / time).exp_m1();
+}
+
+/// A moment of one product of signals.
+const fn product(id: &'static str, words: &'static str, shapes: fn(&Signals) -> [f64; MOST]) -> Anonymous {
+    Anonymous { id, variable: id, words, count: 1, shapes, ..PLAIN }
+}
+
 /// All terms without a name.
 pub const ANONYMOUS: &[&Anonymous] = &[
     &Anonymous {
@@ -85,6 +95,14 @@ pub const ANONYMOUS: &[&Anonymous] = &[
         ..PLAIN
     },
     &Anonymous {
+        id: "of_slow_q",
+        variable: "q",
+        words: "a friction that is another at small rates than at large ones",
+        count: 2,
+        shapes: |s| shapes([sign(s.x), sign(s.x) * (-s.x.abs() / 0.3).exp()]),
+        ..PLAIN
+    },
+    &Anonymous {
         id: "of_theta",
         variable: "theta",
         words: "a moment that depends on the pitch angle",
@@ -93,25 +111,31 @@ pub const ANONYMOUS: &[&Anonymous] = &[
         ..PLAIN
     },
     &Anonymous {
+        id: "of_theta_by_side",
+        variable: "theta",
+        words: "a stiffness that is another nose-up than nose-down",
+        count: 2,
+        shapes: |s| shapes([s.y.max(0.0), s.y.min(0.0)]),
+        ..PLAIN
+    },
+    &Anonymous {
         id: "of_u",
         locus: Locus::Actuator,
         variable: "u",
         words: "a moment that is not proportional to the command",
-        count: 3,
-        shapes: |s| shapes([1.0, s.v.abs(), s.v * s.v.abs()]),
+        count: 2,
+        shapes: |s| shapes([1.0, s.v.abs()]),
         ..PLAIN
     },
-    &Anonymous {
-        id: "of_products",
-        variable: "q u",
-        words: "a moment that depends on products of rate, angle and command",
-        count: 7,
-        shapes: |s| {
-            let Signals { x, y, v, .. } = *s;
-            shapes([x.abs() * v, x * v.abs(), y.abs() * v, x * y.abs(), x * v, y * v, x * y])
-        },
-        ..PLAIN
-    },
+    &product("|q| u", "an effectiveness that depends on the speed of rotation", |s| {
+        shapes([s.x.abs() * s.v])
+    }),
+    &product("q |u|", "a damping that depends on the command", |s| shapes([s.x * s.v.abs()])),
+    &product("|theta| u", "an effectiveness that depends on the angle", |s| shapes([s.y.abs() * s.v])),
+    &product("q |theta|", "a damping that depends on the angle", |s| shapes([s.x * s.y.abs()])),
+    &product("q u", "a moment of rate and command together", |s| shapes([s.x * s.v])),
+    &product("theta u", "an effectiveness that is another nose-up than nose-down", |s| shapes([s.y * s.v])),
+    &product("q theta", "a damping that is another nose-up than nose-down", |s| shapes([s.x * s.y])),
     &Anonymous {
         id: "of_q_and_theta",
         variable: "theta",
@@ -121,6 +145,21 @@ pub const ANONYMOUS: &[&Anonymous] = &[
             let near = |angle: f64| (1.0 - (s.y - angle).abs()).max(0.0) * sign(s.x);
             shapes([near(-1.5), near(-0.5), near(0.5), near(1.5)])
         },
+        ..PLAIN
+    },
+    &Anonymous {
+        id: "hysteresis",
+        variable: "theta",
+        words: "a spring that slips: the moment depends on where the angle turned last",
+        count: 2,
+        shapes: |s| shapes([s.memory[0], s.memory[1]]),
+        // Stop operators (Prandtl, 1928): elastic up to a deflection, then sliding; the last entry is the angle before.
+        memory: Some(|memory, s, _| {
+            let moved = s.y - memory[2];
+            memory[0] = (memory[0] + moved).clamp(-0.2, 0.2);
+            memory[1] = (memory[1] + moved).clamp(-0.7, 0.7);
+            memory[2] = s.y;
+        }),
         ..PLAIN
     },
     &Anonymous {
@@ -164,8 +203,12 @@ pub const ANONYMOUS: &[&Anonymous] = &[
         variable: "u_rate",
         words: "a moment that follows the command with further lags",
         count: 3,
-        shapes: |s| shapes(s.lags),
-        lags: Some(|s| [(s.v, 0.06), (s.v, 0.2), (s.v, 0.6)]),
+        shapes: |s| shapes(s.memory),
+        memory: Some(|memory, s, dt| {
+            for (state, time) in memory.iter_mut().zip([0.06, 0.2, 0.6]) {
+                lag(state, s.v, time, dt);
+            }
+        }),
         ..PLAIN
     },
     &Anonymous {
@@ -173,8 +216,12 @@ pub const ANONYMOUS: &[&Anonymous] = &[
         variable: "theta",
         words: "a moment that depends on the motion before",
         count: 3,
-        shapes: |s| shapes(s.lags),
-        lags: Some(|s| [(s.x, 0.2), (s.y, 0.2), (s.y, 1.0)]),
+        shapes: |s| shapes(s.memory),
+        memory: Some(|memory, s, dt| {
+            for (state, (input, time)) in memory.iter_mut().zip([(s.x, 0.2), (s.y, 0.2), (s.y, 1.0)]) {
+                lag(state, input, time, dt);
+            }
+        }),
         ..PLAIN
     },
     &Anonymous {
@@ -183,8 +230,12 @@ pub const ANONYMOUS: &[&Anonymous] = &[
         variable: "u",
         words: "a measured rate that the command shakes directly",
         count: 3,
-        shapes: |s| shapes([s.v, s.v.abs(), s.lags[0]]),
-        lags: Some(|s| [(s.v, 0.03), (0.0, 1.0), (0.0, 1.0)]),
+        shapes: |s| shapes([s.memory[1], s.memory[1].abs(), s.memory[0]]),
+        // A measurement is made at the end of the step: what it shows of the command is kept till then.
+        memory: Some(|memory, s, dt| {
+            lag(&mut memory[0], s.v, 0.03, dt);
+            memory[1] = s.v;
+        }),
         measured: true,
         ..PLAIN
     },
@@ -193,9 +244,9 @@ pub const ANONYMOUS: &[&Anonymous] = &[
 impl Anonymous {
     fn signals(&self, s: &[f64], q: f64, theta: f64, at: &Conditions) -> Signals {
         let sizes = &at.sizes;
-        let lags = if self.lags.is_some() { [s[0], s[1], s[2]] } else { [0.0; 3] };
+        let memory = if self.memory.is_some() { [s[0], s[1], s[2]] } else { [0.0; 3] };
         let (x, y) = (q / sizes.q, theta / sizes.theta.max(f64::MIN_POSITIVE));
-        Signals { x, y, v: at.command / sizes.u, t: at.t / sizes.duration, lags }
+        Signals { x, y, v: at.command / sizes.u, t: at.t / sizes.duration, memory }
     }
 
     fn sum(&self, p: &[f64], signals: &Signals) -> f64 {
@@ -270,7 +321,7 @@ impl Effect for Anonymous {
         vec![vec![0.0; self.count]]
     }
     fn states(&self) -> usize {
-        if self.lags.is_some() { 3 } else { 0 }
+        if self.memory.is_some() { 3 } else { 0 }
     }
     fn within_sample(&self) -> bool {
         true
@@ -279,21 +330,18 @@ impl Effect for Anonymous {
         if self.measured { 0.0 } else { self.sum(p, &self.signals(s, q, theta, at)) }
     }
     fn sense(&self, _p: &[f64], s: &mut [f64], q: f64, theta: f64, _control: f64, at: &Conditions) {
-        let Some(lags) = self.lags else { return };
-        let inputs = lags(&self.signals(s, q, theta, at));
-        for (state, (input, time)) in s.iter_mut().zip(inputs) {
-            *state += (input - *state) * -(-at.dt / time).exp_m1();
-        }
-        if self.measured {
-            // A measurement is made at the end of the step: what it shows of the command is kept till then.
-            (s[1], s[2]) = (at.command / at.sizes.u, 0.0);
+        if let Some(update) = self.memory {
+            let signals = self.signals(s, q, theta, at);
+            let mut memory = signals.memory;
+            update(&mut memory, &signals, at.dt);
+            s.copy_from_slice(&memory);
         }
     }
     fn measure(&self, p: &[f64], s: &[f64], y: Output) -> Output {
         if !self.measured {
             return y;
         }
-        let signals = Signals { v: s[1], lags: [s[0], 0.0, 0.0], ..Signals::default() };
+        let signals = Signals { memory: [s[0], s[1], s[2]], ..Signals::default() };
         [y[0] + self.sum(p, &signals), y[1]]
     }
 }

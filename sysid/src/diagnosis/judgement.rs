@@ -2,6 +2,7 @@
 //! catalogue explains is told apart, and the verdict is given.
 
 use super::answer::Verdict;
+use super::goodness::{Departure, Goodness, goodness};
 use super::gust::{Gust, gust};
 use super::held_out::Split;
 use super::judge::{Judged, held_out_gain};
@@ -16,7 +17,7 @@ use std::collections::BTreeMap;
 const UNEXPLAINED_POINTS: f64 = 12.0;
 /// A term without a name that gains more than this share of what all terms gain stands for the physics that is missing;
 /// below it, it mends what the named effect's idealised equation leaves.
-const LARGE_LEFTOVER: f64 = 0.1;
+const LARGE_LEFTOVER: f64 = 0.05;
 /// A correction whose free run on the held-out sections is this much worse, in points of VAF, is not made.
 const COST_POINTS: f64 = 0.5;
 
@@ -32,6 +33,10 @@ pub struct Judgement<'p, 'd> {
     pub gust: Option<Gust>,
     /// A term without a name that the catalogue's effects do not make needless.
     pub unlisted: Option<Leftover>,
+    /// What the extended model leaves that is no noise.
+    pub departure: Option<Departure>,
+    /// Whether it leaves more large errors than noise has: then no probability is near one.
+    pub heavy_tails: bool,
     /// The baseline, its parameters estimated again.
     pub baseline: Judged,
     /// With all terms that were added.
@@ -52,7 +57,9 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let unlisted = unlisted(problem, split, &mut selection);
         let Selection { baseline, extended, findings } = selection;
         let likelihood_gain = held_out_gain(problem, split, &baseline, &extended);
-        let gust = gust(problem, &extended);
+        let goodness = goodness(problem, &extended);
+        let departure = goodness.as_ref().and_then(Goodness::departure);
+        let gust = gust(problem, &extended).filter(|_| departure.is_none());
         let baseline = Judged::new(problem, split, baseline);
         let extended = Judged::new(problem, split, extended);
         let corrected = extended.held_out_vaf(split) >= baseline.held_out_vaf(split) - COST_POINTS;
@@ -62,6 +69,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
             findings,
             gust,
             unlisted,
+            departure,
+            heavy_tails: goodness.is_some_and(|g| g.heavy_tails()),
             baseline,
             extended,
             likelihood_gain,
@@ -72,11 +81,12 @@ impl<'p, 'd> Judgement<'p, 'd> {
 
     /// `ceiling` is the best VAF that any model reaches, section by section.
     pub fn verdict(&self, ceiling: &BTreeMap<String, f64>) -> Verdict {
-        if self.unlisted.is_some() || self.gap_to(ceiling) > UNEXPLAINED_POINTS {
+        let structure = self.unlisted.is_some() || self.departure.is_some();
+        if structure || self.gap_to(ceiling) > UNEXPLAINED_POINTS {
             return Verdict::Unlisted;
         }
         if self.findings.is_empty() && self.gust.is_none() {
-            return Verdict::NoMismatch;
+            return if self.heavy_tails { Verdict::Unlisted } else { Verdict::NoMismatch };
         }
         let ruled_out = self.findings.iter().all(|f| f.rivals.is_empty());
         if ruled_out { Verdict::Named } else { Verdict::Ambiguous }
@@ -130,23 +140,23 @@ fn confirmed(
 
 /// The term without a name that is needed besides or instead of the named effects; the selection is changed to match.
 fn unlisted(problem: &Problem<'_>, split: &Split, selection: &mut Selection) -> Option<Leftover> {
-    let found = leftover(problem, selection)?;
-    if found.delta_bic < DETECTION {
-        return None;
-    }
-    let instead =
-        found.alone.as_ref().filter(|alone| alone.bic(problem) + DETECTION < selection.extended.bic(problem));
-    if instead.is_none() && found.share < LARGE_LEFTOVER {
-        return None;
-    }
-    let chosen = instead.unwrap_or(&found.with).clone();
-    let confirmed = held_out_gain(problem, split, &selection.extended, &chosen) > 0.0;
-    if !confirmed && !found.term.local_in_time {
-        return None;
-    }
-    if instead.is_some() {
+    let mut found = leftover(problem, selection)?;
+    if let Some((term, fit)) = found.instead.take()
+        && fit.bic(problem) < selection.extended.bic(problem)
+        && held_out_gain(problem, split, &selection.extended, &fit) > 0.0
+    {
+        found.delta_bic = selection.baseline.bic(problem) - fit.bic(problem);
+        found.term = term;
         selection.findings.clear();
+        selection.extended = fit;
+        return Some(found);
     }
-    selection.extended = chosen;
+    if found.delta_bic < DETECTION || found.share < LARGE_LEFTOVER {
+        return None;
+    }
+    if held_out_gain(problem, split, &selection.extended, &found.with) < 0.0 && !found.term.local_in_time {
+        return None;
+    }
+    selection.extended = found.with.clone();
     Some(found)
 }

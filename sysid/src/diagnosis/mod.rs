@@ -9,6 +9,7 @@ pub mod effects;
 mod excitation;
 mod experiment;
 pub mod free_run;
+pub mod goodness;
 pub mod gust;
 pub mod held_out;
 pub mod judge;
