@@ -109,11 +109,13 @@ pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static 
             None => best.push(fit),
         }
     }
-    let lowest = best.iter().map(|fit| fit.bic(problem)).fold(f64::INFINITY, f64::min);
+    // A sketch at a bound often lies lowest and is no candidate in the end: it must not outbid the others.
+    let within = |fit: &Fit| !fit.last_at_bound(problem);
+    let lowest = best.iter().filter(|f| within(f)).map(|f| f.bic(problem)).fold(f64::INFINITY, f64::min);
     best.retain(|fit| fit.bic(problem) < lowest + HOPELESS);
     let mut fits: Vec<Fit> =
         best.par_iter().filter_map(|fit| refit(problem, &fit.effects, &fit.minimum.values)).collect();
-    fits.retain(|fit| !fit.last_at_bound(problem));
+    fits.retain(within);
     fits.sort_by(|a, b| a.bic(problem).total_cmp(&b.bic(problem)));
     fits
 }
