@@ -1,5 +1,7 @@
 //! Shared by the tests of this package: a simulated flight handed over as a recording, and its diagnosis.
 
+pub mod chip;
+
 use host_sim::{Background, Plant, Scenario, Setting, cost_of_leaving_out, fly};
 use sysid::diagnosis::{Diagnosis, diagnose};
 use sysid::model::file::{ModelFile, PlantSection};

@@ -1,0 +1,130 @@
+//! Counts what the control cycle costs. Made for the emulator with `-icount shift=0`, where one instruction takes one
+//! nanosecond of SysTick: prints `name value` lines over semihosting and ends.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("the self-test runs on the chip; `cargo xtask chip-test` starts it in the emulator");
+}
+
+#[cfg(target_os = "none")]
+mod count {
+    use core::hint::black_box;
+    use core::panic::PanicInfo;
+
+    use cortex_m::Peripherals;
+    use cortex_m::peripheral::SYST;
+    use cortex_m::peripheral::syst::SystClkSource;
+    use cortex_m_rt::entry;
+    use cortex_m_semihosting::{debug, hprintln};
+    use defmt_rtt as _;
+    use estimator_core::constants::TAPS;
+    use estimator_core::lms::{LmsConfig, LmsState};
+    use estimator_core::{Command, Config, Cycle, CycleState, Input, Sample};
+    use firmware::pitch_filter::{Motion, PitchFilter};
+    use firmware::servo::ServoConfig;
+    use stm32f4xx_hal as _;
+
+    const FULL: u32 = 0x00ff_ffff;
+    /// SysTick counts in the 168 MHz that the emulator gives the chip, an instruction is a nanosecond.
+    const fn instructions(ticks: u32) -> u32 {
+        (ticks as u64 * 1000 / 168) as u32
+    }
+
+    fn ticks(counter: &mut SYST, mut run: impl FnMut()) -> u32 {
+        counter.clear_current();
+        let begin = SYST::get_current();
+        run();
+        begin.wrapping_sub(SYST::get_current()) & FULL
+    }
+
+    const ROUNDS: u32 = 64;
+
+    fn nlms<const N: usize>(counter: &mut SYST) {
+        let Ok(lms) = LmsConfig::default().build::<N>() else { return };
+        let mut state = LmsState::<N>::default();
+        let mut signal = 1_u32;
+        let mut next = || {
+            signal = signal.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (signal >> 8) as f32 / 1e9
+        };
+        for _ in 0..300 {
+            lms.observe(&mut state, next(), true);
+            lms.push(&mut state, next());
+        }
+        let (q, u) = (next(), next());
+        let spent = ticks(counter, || {
+            for _ in 0..ROUNDS {
+                black_box(lms.observe(black_box(&mut state), black_box(q), true));
+                lms.push(black_box(&mut state), black_box(u));
+            }
+        });
+        hprintln!("nlms_{} {}", N, instructions(spent) / ROUNDS);
+    }
+
+    /// The most that one cycle takes, over a test of 3000 ticks on a vehicle that swings.
+    fn cycle(counter: &mut SYST) {
+        let Ok(cycle) = Config::default().build::<TAPS>() else { return };
+        let mut state = cycle.initial_state();
+        let (mut filter, mut most) = (PitchFilter::default(), 0);
+        let mut signal = 1_u32;
+        for tick in 0..3000_u32 {
+            signal = signal.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let noise = (signal >> 8) as f32 / 16_777_216.0 - 0.5;
+            let swing = libm::sinf(0.06 * tick as f32);
+            let motion =
+                Motion { q_rad_s: 0.3 * swing + 0.02 * noise, force_m_s2: [2.0 * swing + noise, 0.0, -9.6] };
+            let command = if tick == 0 { Command::Start } else { Command::None };
+            let spent = ticks(counter, || {
+                black_box(one(&cycle, &mut state, &mut filter, black_box(&motion), tick, command));
+            });
+            most = spent.max(most);
+        }
+        hprintln!("cycle {}", instructions(most));
+    }
+
+    fn one(
+        cycle: &Cycle<TAPS>,
+        state: &mut CycleState<TAPS>,
+        filter: &mut PitchFilter,
+        motion: &Motion,
+        tick: u32,
+        command: Command,
+    ) -> [f32; 2] {
+        let now_us = u64::from(tick) * 20_000;
+        let sample = Sample { time_us: now_us, q_rad_s: motion.q_rad_s, theta_rad: filter.step(motion) };
+        let input = Input { tick, now_us, sample: Some(sample), theta_ref_rad: 0.0, command };
+        ServoConfig::default().widths_us(cycle.step(state, &input).u_rad)
+    }
+
+    #[entry]
+    fn main() -> ! {
+        if let Some(core) = Peripherals::take() {
+            let mut counter = core.SYST;
+            counter.set_clock_source(SystClkSource::Core);
+            counter.set_reload(FULL);
+            counter.enable_counter();
+            nlms::<16>(&mut counter);
+            nlms::<32>(&mut counter);
+            nlms::<50>(&mut counter);
+            nlms::<64>(&mut counter);
+            nlms::<128>(&mut counter);
+            nlms::<256>(&mut counter);
+            cycle(&mut counter);
+            hprintln!("core_state_bytes {}", size_of::<Cycle<TAPS>>() + size_of::<CycleState<TAPS>>());
+            debug::exit(debug::EXIT_SUCCESS);
+        }
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
+    #[panic_handler]
+    fn panic(info: &PanicInfo<'_>) -> ! {
+        hprintln!("{}", info);
+        debug::exit(debug::EXIT_FAILURE);
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+}

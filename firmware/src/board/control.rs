@@ -1,0 +1,115 @@
+//! The control cycle: read, estimate the attitude, step the core, move the servos, report.
+
+use estimator_core::constants::{TAPS, TICK_US};
+use estimator_core::{Command, Cycle, CycleState, Input, Sample, Telemetry};
+use firmware::failsafe::Cause;
+use firmware::hil::HilTick;
+use firmware::pitch_filter::{Motion, PitchFilter};
+use heapless::spsc::Producer;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::timer::Flag;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+use super::{BoardImu, BoardServos, Timer, failsafe};
+
+/// Late cycles in a row that end in a reset.
+const MOST_LATE: u32 = 2;
+
+/// The test and how far it has got.
+pub struct Test {
+    pub cycle: Cycle<TAPS>,
+    pub state: CycleState<TAPS>,
+}
+
+/// What the link leaves for the cycle.
+#[derive(Default)]
+pub struct Desk {
+    pub armed: bool,
+    pub hil: bool,
+    pub command: Command,
+    pub reference_rad: f32,
+    /// The simulated cycle that is due.
+    pub due: Option<HilTick>,
+    /// Begin with a new attitude estimate.
+    pub forget: bool,
+}
+
+/// What belongs to the cycle alone.
+pub struct Control {
+    timer: Timer,
+    watchdog: IndependentWatchdog,
+    imu: Option<BoardImu>,
+    servos: BoardServos,
+    filter: PitchFilter,
+    tick: u32,
+    now_us: u64,
+    late: u32,
+}
+
+impl Control {
+    pub fn new(
+        timer: Timer,
+        watchdog: IndependentWatchdog,
+        imu: Option<BoardImu>,
+        servos: BoardServos,
+    ) -> Self {
+        Self { timer, watchdog, imu, servos, filter: PitchFilter::default(), tick: 0, now_us: 0, late: 0 }
+    }
+
+    /// True when a real IMU answered.
+    pub const fn sensors(&self) -> bool {
+        self.imu.is_some()
+    }
+
+    /// One interrupt.
+    pub fn step(&mut self, test: &mut Test, desk: &mut Desk, reports: &mut Producer<'static, Telemetry>) {
+        #[cfg(feature = "panic-in-cycle")]
+        assert!(desk.reference_rad < 1e9, "the negative control of the proof");
+        self.timer.clear_flags(Flag::Update);
+        if core::mem::take(&mut desk.forget) {
+            self.filter = PitchFilter::default();
+        }
+        if let Some(input) = self.input(desk) {
+            let telemetry = test.cycle.step(&mut test.state, &input);
+            let u_rad = if desk.armed && !desk.hil { telemetry.u_rad } else { 0.0 };
+            // the timer's channels refuse nothing
+            let _ = self.servos.set(u_rad);
+            // a full queue costs the ground a report and the cycle nothing
+            let _ = reports.enqueue(telemetry);
+        }
+        self.meet_deadline(desk.hil);
+    }
+
+    /// The cycle that is due; none in the loop until the simulator asks for one.
+    fn input(&mut self, desk: &mut Desk) -> Option<Input> {
+        let (tick, now_us, time_us, motion) = if desk.hil {
+            let HilTick { tick, now_us, sampled_us, motion } = desk.due.take()?;
+            (tick, now_us, sampled_us, motion)
+        } else {
+            self.tick = self.tick.wrapping_add(1);
+            self.now_us = self.now_us.wrapping_add(u64::from(TICK_US));
+            let motion = self.imu.as_mut().and_then(|imu| imu.read().ok());
+            (self.tick, self.now_us, self.now_us, motion)
+        };
+        let sample = motion.map(|motion: Motion| Sample {
+            time_us,
+            q_rad_s: motion.q_rad_s,
+            theta_rad: self.filter.step(&motion),
+        });
+        let command = core::mem::take(&mut desk.command);
+        Some(Input { tick, now_us, sample, theta_ref_rad: desk.reference_rad, command })
+    }
+
+    /// Feeds the watchdog if the timer has not come round again meanwhile. In the loop the simulator sets the pace.
+    fn meet_deadline(&mut self, hil: bool) {
+        if hil || !self.timer.flags().contains(Flag::Update) {
+            self.late = 0;
+            self.watchdog.feed();
+            return;
+        }
+        self.late = self.late.saturating_add(1);
+        if self.late > MOST_LATE {
+            failsafe::give_up(Cause::MissedDeadlines { count: self.late });
+        }
+    }
+}

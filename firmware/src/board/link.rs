@@ -1,0 +1,136 @@
+//! The link's loop: bytes in, answers and reports out. It runs below everything else.
+
+use core::fmt::Write as _;
+use estimator_core::constants::TAPS;
+use estimator_core::{Command, Config, Telemetry};
+use firmware::failsafe::Cause;
+use firmware::link::decoder::Decoder;
+use firmware::link::ground::extra_crc;
+use firmware::link::{Action, Ground};
+use heapless::String;
+use heapless::spsc::{Consumer, Producer};
+use mavlink::dialects::common::MavSeverity;
+use stm32f4xx_hal::pac::Interrupt;
+
+use super::control::{Desk, Test};
+use super::failsafe;
+
+/// The ground's side of the board.
+pub struct Link {
+    ground: Ground,
+    decoder: Decoder,
+    incoming: Consumer<'static, u8>,
+    outgoing: Outgoing,
+    reported: Consumer<'static, Telemetry>,
+    cause: Option<Cause>,
+    clock_hz: u32,
+}
+
+/// Frames on their way to the USART.
+struct Outgoing {
+    queue: Producer<'static, u8>,
+    lost: u32,
+}
+
+impl Outgoing {
+    /// Whole frames only: one for which there is no room is dropped and counted.
+    fn send(&mut self, frame: &[u8]) {
+        if self.queue.capacity() - self.queue.len() < frame.len() {
+            self.lost = self.lost.saturating_add(1);
+            defmt::warn!("{} frames lost for want of room", self.lost);
+            return;
+        }
+        for &byte in frame {
+            let _ = self.queue.enqueue(byte);
+        }
+        rtic::pend(Interrupt::USART2);
+    }
+}
+
+impl Link {
+    pub fn new(
+        incoming: Consumer<'static, u8>,
+        queue: Producer<'static, u8>,
+        reported: Consumer<'static, Telemetry>,
+        sensors: bool,
+        cause: Option<Cause>,
+        clock_hz: u32,
+    ) -> Self {
+        let Ok(mut ground) = Ground::new(Config::default()) else {
+            failsafe::give_up(Cause::Panic { line: line!() })
+        };
+        ground.sensors = sensors;
+        let outgoing = Outgoing { queue, lost: 0 };
+        Self { ground, decoder: Decoder::new(extra_crc), incoming, outgoing, reported, cause, clock_hz }
+    }
+
+    /// A test as it is configured now, not yet begun.
+    pub fn test(&self) -> Test {
+        let cycle = *self.ground.test();
+        let state = cycle.initial_state();
+        Test { cycle, state }
+    }
+
+    /// Says that the board is up, on what clock, and why it was reset.
+    pub fn greet(&mut self) {
+        let Self { ground, outgoing, cause, clock_hz, .. } = self;
+        let mut text = String::<80>::new();
+        let _ = write!(text, "pitchid: up at {} MHz", *clock_hz / 1_000_000);
+        defmt::info!("{}", text.as_str());
+        ground.say(MavSeverity::MAV_SEVERITY_INFO, &text, &mut |frame| outgoing.send(frame));
+        if let Some(cause) = cause {
+            text.clear();
+            let _ = write!(text, "{cause}");
+            defmt::error!("{}", text.as_str());
+            ground.say(MavSeverity::MAV_SEVERITY_CRITICAL, &text, &mut |frame| outgoing.send(frame));
+        }
+    }
+
+    /// Takes bytes up to the next thing to do.
+    pub fn listen(&mut self) -> Option<Action> {
+        let Self { ground, decoder, incoming, outgoing, .. } = self;
+        let mut action = None;
+        while let Some(byte) = incoming.dequeue() {
+            decoder.push(byte, |frame| action = ground.receive(&frame, &mut |frame| outgoing.send(frame)));
+            if action.is_some() {
+                break;
+            }
+        }
+        action
+    }
+
+    /// Does it, with the control cycle held off.
+    pub fn act(&mut self, action: Action, test: &mut Test, desk: &mut Desk) {
+        match action {
+            Action::Arm => desk.armed = true,
+            Action::Disarm => (desk.armed, desk.command) = (false, Command::Abort),
+            Action::Start => {
+                *test = self.test();
+                desk.command = Command::Start;
+            }
+            Action::Abort => desk.command = Command::Abort,
+            Action::Hil(on) => (desk.hil, desk.due, desk.forget) = (on, None, true),
+            Action::Tick(tick) => {
+                desk.due = Some(tick);
+                rtic::pend(Interrupt::TIM2);
+            }
+            Action::Reference(reference_rad) => desk.reference_rad = reference_rad,
+        }
+    }
+
+    /// Sends what the cycles have reported.
+    pub fn tell(&mut self, mut taps: impl FnMut() -> [f32; TAPS]) {
+        let Self { ground, outgoing, reported, .. } = self;
+        while let Some(telemetry) = reported.dequeue() {
+            if let Some(event) = telemetry.event {
+                defmt::info!("{}", defmt::Display2Format(&event));
+            }
+            ground.report(&telemetry, &mut taps, &mut |frame| outgoing.send(frame));
+        }
+    }
+
+    /// True when nothing waits.
+    pub fn quiet(&self) -> bool {
+        self.incoming.is_empty() && self.reported.is_empty()
+    }
+}

@@ -1,0 +1,17 @@
+//! The link to the ground: MAVLink 2, common dialect.
+//!
+//! | in | out |
+//! | --- | --- |
+//! | `COMMAND_LONG`: arm, HIL mode, start and abort a test | `COMMAND_ACK`, `STATUSTEXT` |
+//! | `PARAM_REQUEST_LIST`, `PARAM_REQUEST_READ`, `PARAM_SET` | `PARAM_VALUE` |
+//! | `HIL_SENSOR`, one cycle each | `HIL_ACTUATOR_CONTROLS` |
+//! | `MANUAL_CONTROL`: x is the pitch reference of section IV | `DEBUG_FLOAT_ARRAY` `cycle`, `taps` |
+//! | `SETUP_SIGNING` | `HEARTBEAT`, `ATTITUDE` |
+
+pub mod decoder;
+pub mod frame;
+pub mod ground;
+pub mod signing;
+pub mod telemetry;
+
+pub use ground::{Action, Ground};

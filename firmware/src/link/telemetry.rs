@@ -1,0 +1,156 @@
+//! What a cycle reports, as MAVLink messages.
+//!
+//! `DEBUG_FLOAT_ARRAY` with the name `cycle`, one per cycle, carries the clock in `time_usec` and
+//!
+//! | place | quantity | | place | quantity |
+//! | --- | --- | --- | --- | --- |
+//! | 0 | tick | | 8 | excitation in u, rad |
+//! | 1 | section: 0 between, 1 to 4 | | 9 | θref, rad |
+//! | 2 | phase: 0 idle, 1 exciting, 2 recovering, 3 done, 4 aborted | | 10 | q − q̂, rad/s |
+//! | 3 | 1 where the supervisor overrode the test | | 11 | recoveries |
+//! | 4 | 1 with a usable sample | | 12 | verdict: 0 not excited, 1 converging, 2 converged |
+//! | 5 | q, rad/s | | 13 | settling |
+//! | 6 | θ, rad | | 14 | gain drift |
+//! | 7 | u, rad | | 15 | innovation ratio |
+//!
+//! in full `f32`, so a recording made of them replays to the same bits (the tick is exact up to 2²⁴). The name `taps` carries
+//! w in pieces of 58, the piece's number in `array_id`.
+
+use estimator_core::constants::TAPS;
+use estimator_core::{Phase, Section, Telemetry, Verdict};
+use mavlink::dialects::common::{
+    ATTITUDE_DATA, DEBUG_FLOAT_ARRAY_DATA, HIL_ACTUATOR_CONTROLS_DATA, HilActuatorControlsFlags, MavModeFlag,
+    MavSeverity, STATUSTEXT_DATA,
+};
+use mavlink::types::CharArray;
+
+use crate::servo::ServoConfig;
+
+/// Floats in one `DEBUG_FLOAT_ARRAY`.
+const PIECE: usize = 58;
+/// Pieces that the taps take.
+pub const TAP_PIECES: usize = TAPS.div_ceil(PIECE);
+
+/// The `cycle` array.
+#[must_use]
+pub fn cycle_array(telemetry: &Telemetry) -> DEBUG_FLOAT_ARRAY_DATA {
+    let Telemetry { sample, convergence, .. } = *telemetry;
+    let flag = |set: bool| if set { 1.0 } else { 0.0 };
+    let values = [
+        telemetry.tick as f32,
+        section_code(telemetry.section),
+        f32::from(phase_code(&telemetry.phase)),
+        flag(telemetry.supervised),
+        flag(sample.is_some()),
+        sample.map_or(0.0, |s| s.q_rad_s),
+        sample.map_or(0.0, |s| s.theta_rad),
+        telemetry.u_rad,
+        telemetry.excitation_rad,
+        telemetry.theta_ref_rad,
+        telemetry.prediction_error_rad_s,
+        telemetry.recoveries as f32,
+        match convergence.verdict {
+            Verdict::NotExcited => 0.0,
+            Verdict::Converging => 1.0,
+            Verdict::Converged => 2.0,
+        },
+        convergence.settling,
+        convergence.gain_drift,
+        convergence.innovation_ratio,
+    ];
+    array("cycle", 0, telemetry.now_us, &values)
+}
+
+/// Piece number `piece` of the taps.
+#[must_use]
+pub fn taps_array(taps: &[f32; TAPS], piece: usize, now_us: u64) -> DEBUG_FLOAT_ARRAY_DATA {
+    let values = taps.chunks(PIECE).nth(piece).unwrap_or_default();
+    array("taps", piece as u16, now_us, values)
+}
+
+fn array(name: &str, array_id: u16, time_usec: u64, values: &[f32]) -> DEBUG_FLOAT_ARRAY_DATA {
+    let mut data = [0.0; PIECE];
+    data.iter_mut().zip(values).for_each(|(place, &value)| *place = value);
+    DEBUG_FLOAT_ARRAY_DATA { time_usec, array_id, name: name.into(), data }
+}
+
+fn section_code(section: Section) -> f32 {
+    match section {
+        Section::Between => 0.0,
+        Section::I => 1.0,
+        Section::II => 2.0,
+        Section::III => 3.0,
+        Section::IV => 4.0,
+    }
+}
+
+/// Number of the phase, also `custom_mode` of the heartbeat.
+#[must_use]
+pub const fn phase_code(phase: &Phase) -> u8 {
+    match phase {
+        Phase::Idle => 0,
+        Phase::Exciting => 1,
+        Phase::Recovering { .. } => 2,
+        Phase::Done => 3,
+        Phase::Aborted { .. } => 4,
+    }
+}
+
+/// The command for a simulated vehicle: u in rad, then the pulses of the front and the rear rotor about their centre, −1 to 1.
+#[must_use]
+pub fn actuators(telemetry: &Telemetry, mode: MavModeFlag) -> HIL_ACTUATOR_CONTROLS_DATA {
+    let servo = ServoConfig::default();
+    let [front, rear] = servo.widths_us(telemetry.u_rad).map(|width| (width - servo.centre_us) / 500.0);
+    let mut controls = [0.0; 16];
+    controls[..3].copy_from_slice(&[telemetry.u_rad, front, rear]);
+    let flags = HilActuatorControlsFlags::HIL_ACTUATOR_CONTROLS_FLAGS_LOCKSTEP;
+    HIL_ACTUATOR_CONTROLS_DATA { time_usec: telemetry.now_us, flags, controls, mode }
+}
+
+/// Pitch and pitch rate; the other axes are not measured.
+#[must_use]
+pub fn attitude(telemetry: &Telemetry) -> ATTITUDE_DATA {
+    ATTITUDE_DATA {
+        time_boot_ms: (telemetry.now_us / 1000) as u32,
+        pitch: telemetry.sample.map_or(0.0, |s| s.theta_rad),
+        pitchspeed: telemetry.sample.map_or(0.0, |s| s.q_rad_s),
+        ..ATTITUDE_DATA::default()
+    }
+}
+
+/// A text in as many messages as it takes; `id` tells the ground which of them belong together.
+pub fn texts(severity: MavSeverity, text: &str, id: u16) -> impl Iterator<Item = STATUSTEXT_DATA> {
+    let split = text.len() > CHUNK;
+    text.as_bytes().chunks(CHUNK).enumerate().map(move |(place, bytes)| {
+        let mut chunk = [0; CHUNK];
+        chunk.iter_mut().zip(bytes).for_each(|(place, &byte)| *place = byte);
+        let id = if split { id.max(1) } else { 0 };
+        STATUSTEXT_DATA { severity, text: CharArray::new(chunk), id, chunk_seq: place as u8 }
+    })
+}
+
+const CHUNK: usize = 50;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_texts_come_in_numbered_pieces() {
+        let text =
+            "aborted: pitch 0.41 rad > limit 0.40 rad after 200 recoveries, all that one test may have";
+        let found: Vec<_> = texts(MavSeverity::MAV_SEVERITY_ERROR, text, 3).collect();
+        assert_eq!(found.iter().map(|t| (t.id, t.chunk_seq)).collect::<Vec<_>>(), [(3, 0), (3, 1)]);
+        let whole: String = found.iter().map(|t| t.text.to_str().unwrap()).collect();
+        assert_eq!(whole, text);
+        assert_eq!(texts(MavSeverity::MAV_SEVERITY_INFO, "started", 3).next().unwrap().id, 0);
+    }
+
+    #[test]
+    fn the_pieces_hold_every_tap_once() {
+        let taps = core::array::from_fn(|i| i as f32);
+        let pieces: Vec<f32> =
+            (0..TAP_PIECES).flat_map(|p| taps_array(&taps, p, 0).data).take(TAPS).collect();
+        assert_eq!(pieces, taps);
+    }
+}

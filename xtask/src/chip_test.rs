@@ -1,0 +1,65 @@
+//! Everything that needs the emulated chip, in one run.
+
+use std::env;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use crate::budget::{self, Ledger};
+use crate::image::{self, root};
+use crate::{Outcome, no_panic};
+
+/// Builds, counts, flies, proves; the last line says how much passed.
+pub fn run() -> Outcome {
+    if Command::new("qemu-system-arm").arg("--version").output().is_err() {
+        return Err("no emulator; install qemu-system-arm".into());
+    }
+    let images = image::build(None)?;
+    println!("budgets:");
+    let mut ledger = Ledger::open()?;
+    let statics = budget::sizes(&images.flight, &mut ledger)?;
+    budget::count(&images.selftest, &mut ledger)?;
+    let flown = fly(&images.flight, statics, &mut ledger)?;
+    ledger.close()?;
+    no_panic::check()?;
+    // the budgets, the proof and its control
+    println!("chip-test: {} passed", flown + 3);
+    Ok(())
+}
+
+/// Runs the tests that fly the image; returns how many passed.
+fn fly(flight: &Path, statics: u64, ledger: &mut Ledger) -> Outcome<usize> {
+    let mut cargo = Command::new(env::var("CARGO").unwrap_or_else(|_| "cargo".into()));
+    cargo.current_dir(root()).env("PITCHID_FLIGHT_IMAGE", flight).stdout(Stdio::piped());
+    cargo.args([
+        "test",
+        "--package",
+        "pitchid-tests",
+        "--test",
+        "chip",
+        "--test",
+        "chip_faults",
+        "--",
+        "--nocapture",
+        "--test-threads=1",
+    ]);
+    let mut child = cargo.spawn().map_err(|error| format!("cargo cannot be run ({error})"))?;
+    let mut passed = 0;
+    for line in
+        child.stdout.take().into_iter().flat_map(|pipe| BufReader::new(pipe).lines().map_while(Result::ok))
+    {
+        println!("{line}");
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words.as_slice() {
+            [.., "budget", "stack_bytes", value] => {
+                let stack = value.parse().unwrap_or(u64::MAX);
+                ledger.enter("stack_bytes", stack);
+                ledger.enter("ram_bytes", statics.saturating_add(stack));
+            }
+            ["test", "result:", "ok.", count, "passed;", ..] => passed += count.parse().unwrap_or(0),
+            _ => {}
+        }
+    }
+    let status = child.wait().map_err(|error| format!("cargo test: {error}"))?;
+    if status.success() && passed > 0 { Ok(passed) } else { Err("a test on the emulated chip failed".into()) }
+}

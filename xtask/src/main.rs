@@ -1,0 +1,65 @@
+//! `cargo xtask image | chip-test | flash`: the flight image, built, tested in the emulator, put on a board.
+
+mod budget;
+mod chip_test;
+mod image;
+mod no_panic;
+
+use std::process::{Command, ExitCode};
+
+type Outcome<T = ()> = Result<T, String>;
+
+const USAGE: &str = "usage: cargo xtask COMMAND
+  image       build the flight image and print its size
+  no-panic    prove that the control interrupt cannot panic, with a negative control
+  chip-test   build the images and run everything that needs the emulated chip
+  flash       build the flight image and put it on a board (probe-rs)";
+
+fn main() -> ExitCode {
+    let command = std::env::args().nth(1);
+    let outcome = match command.as_deref() {
+        Some("image") => image(),
+        Some("no-panic") => no_panic::check(),
+        Some("chip-test") => chip_test::run(),
+        Some("flash") => flash(),
+        _ => Err(USAGE.to_owned()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("{why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn image() -> Outcome {
+    let images = image::build(None)?;
+    let mut ledger = budget::Ledger::open()?;
+    budget::sizes(&images.flight, &mut ledger)?;
+    println!("{}", images.flight.display());
+    ledger.close()
+}
+
+fn flash() -> Outcome {
+    let images = image::build(None)?;
+    let status =
+        Command::new("probe-rs").args(["run", "--chip", "STM32F405RGTx"]).arg(&images.flight).status();
+    let status = status
+        .map_err(|error| format!("probe-rs cannot be run ({error}); `cargo install probe-rs-tools`"))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err("probe-rs did not finish: is the board powered and the probe connected?".into())
+    }
+}
+
+/// Runs a command to its end and returns what it printed.
+fn output(command: &mut Command) -> Outcome<String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let output = command.output().map_err(|error| format!("{name} cannot be run ({error})"))?;
+    if !output.status.success() {
+        return Err(format!("{name} failed:\n{}", String::from_utf8_lossy(&output.stderr)));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
