@@ -9,7 +9,7 @@ fn main() {
 
 #[divan::bench(consts = [16, 32, 64, 128, 256])]
 fn nlms_update<const N: usize>(bencher: Bencher<'_, '_>) {
-    let Ok(lms) = LmsConfig::default().build::<N>() else { return };
+    let Ok(lms) = (LmsConfig { taps: N as u16, ..LmsConfig::default() }).build::<N>() else { return };
     let mut state = LmsState::default();
     let mut u = 0.015_f32;
     bencher.bench_local(move || {

@@ -8,7 +8,7 @@
 //!
 //! | figure | what | converged when |
 //! | --- | --- | --- |
-//! | settling | min of Σ μ ρ and Σ μ (1 − ρ) over the updates, ρ = (1ᵀφ)² / (N φᵀφ) the share of the regressor's power along the constant direction | ≥ 5: less than a tenth of the initial error is left there |
+//! | settling | min of Σ μ ρ and Σ μ (1 − ρ) over the updates, ρ = (1ᵀφ)² / (n φᵀφ) the share of the regressor's power along the constant direction | ≥ 5: less than a tenth of the initial error is left there |
 //! | gain drift | \|G − Ḡ\| / max(\|G\|, \|Ḡ\|), G = Σ w, Ḡ its mean over 5 s | ≤ 0.1 |
 //! | innovation ratio | mean e² / mean q² over 5 s | ≤ 0.7: the taps explain part of what they are fed |
 //!
@@ -130,7 +130,7 @@ impl ConvergenceMeter {
         q: f32,
         [energy, sum]: [f32; 2],
     ) {
-        let taps = N as f32;
+        let taps = lms.taps as f32;
         state.updates = state.updates.saturating_add(1);
         state.error_power += FORGET * (update.error * update.error - state.error_power);
         state.output_power += FORGET * (q * q - state.output_power);
@@ -180,7 +180,8 @@ mod tests {
     /// the figures and the relative error of the static gain over the window.
     fn learn(step: f32, noise: f32, amplitude_rad: f32) -> (Convergence, f32) {
         const N: usize = 100;
-        let lms = LmsConfig { step, input_delay: 3, ..LmsConfig::default() }.build::<N>().unwrap();
+        let lms =
+            LmsConfig { step, input_delay: 3, taps: N as u16, ..LmsConfig::default() }.build::<N>().unwrap();
         let meter = ConvergenceConfig::default().build().unwrap();
         let prbs = PrbsConfig { amplitude_rad, ..PrbsConfig::default() }.build().unwrap();
         let (mut taps, mut figures, mut sequence) =
@@ -236,7 +237,7 @@ mod tests {
 
     #[test]
     fn the_tracked_gain_is_the_sum_of_the_taps() {
-        let lms = LmsConfig { leakage: 0.001, ..LmsConfig::default() }.build::<8>().unwrap();
+        let lms = LmsConfig { leakage: 0.001, taps: 8, ..LmsConfig::default() }.build::<8>().unwrap();
         let meter = ConvergenceConfig::default().build().unwrap();
         let (mut state, mut figures) = (LmsState::<8>::default(), ConvergenceState::default());
         for k in 0..500 {

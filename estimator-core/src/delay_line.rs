@@ -1,23 +1,23 @@
-//! Regressor of the last N inputs after an input delay.
+//! Regressor of the last n inputs after an input delay, n up to a capacity N.
 //!
-//! φ\[k\] = (x\[k−1\], x\[k−2\], …, x\[k−N\]), x\[k\] = u\[k−d\]. Newest first. With the row convention of the
+//! φ\[k\] = (x\[k−1\], x\[k−2\], …, x\[k−n\]), x\[k\] = u\[k−d\]. Newest first. With the row convention of the
 //! recordings (y\[k\] is taken before u\[k\] acts) the newest input that can show in y\[k\] is u\[k−1\].
 //!
-//! Each x is stored twice, N apart, so the N newest always lie in one contiguous slice and the loops over taps
-//! need no wrap. Energy Σx² and sum Σx follow by adding the newest and subtracting the oldest; every N pushes
-//! both are replaced by sums accumulated afresh, so rounding does not build up over more than N pushes.
+//! Each x is stored twice, n apart, so the n newest always lie in one contiguous slice and the loops over taps
+//! need no wrap. Energy Σx² and sum Σx follow by adding the newest and subtracting the oldest; every n pushes
+//! both are replaced by sums accumulated afresh, so rounding does not build up over more than n pushes.
 //!
-//! Cost: 8 N + 88 bytes; per push two stores, eight additions and multiplications, none of them over N.
+//! Cost: 8 N + 88 bytes; per push two stores, eight additions and multiplications, none of them over n.
 
 use crate::constants::MAX_INPUT_DELAY;
 
 const DELAY_SLOTS: usize = MAX_INPUT_DELAY as usize + 1;
 
-/// The last N inputs, newest first.
+/// The last inputs, newest first. A line serves one n from its beginning on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DelayLine<const N: usize> {
     mirrored: [[f32; N]; 2],
-    /// Place of the newest in the first copy.
+    /// Place of the newest in the first copy, below n.
     head: usize,
     waiting: [f32; DELAY_SLOTS],
     next_slot: u8,
@@ -50,22 +50,24 @@ impl<const N: usize> DelayLine<N> {
         }
     }
 
-    /// Takes u\[k\]; what enters the regressor is u delayed by `delay` samples. A `delay` beyond [`MAX_INPUT_DELAY`] counts
-    /// modulo 16. Returns what has entered.
-    pub fn push(&mut self, u: f32, delay: u8) -> f32 {
+    /// Takes u\[k\]; what enters the regressor of n = `length` inputs is u delayed by `delay` samples. A `delay` beyond
+    /// [`MAX_INPUT_DELAY`] counts modulo 16; a `length` of 0 or beyond N takes nothing. Returns what has entered.
+    pub fn push(&mut self, u: f32, delay: u8, length: usize) -> f32 {
         let x = self.wait(u, delay);
-        self.head = if self.head == 0 { N - 1 } else { self.head - 1 };
-        let [first, second] = &mut self.mirrored;
-        let (Some(a), Some(b)) = (first.get_mut(self.head), second.get_mut(self.head)) else { return x };
-        let oldest = *a;
-        *a = x;
-        *b = x;
-        self.energy = (self.energy + x * x - oldest * oldest).max(0.0);
+        let head = if self.head == 0 { length } else { self.head }.wrapping_sub(1);
+        let all = self.mirrored.as_flattened_mut();
+        let Some(copy) = all.get_mut(head.wrapping_add(length)) else { return x };
+        *copy = x;
+        let Some(place) = all.get_mut(head) else { return x };
+        self.head = head;
+        let oldest = core::mem::replace(place, x);
+        let energy = self.energy + x * x - oldest * oldest;
+        self.energy = if energy > 0.0 { energy } else { 0.0 };
         self.sum = self.sum + x - oldest;
         self.fresh_energy += x * x;
         self.fresh_sum += x;
-        // the head passes here once in N pushes
-        if self.head == 0 {
+        // the head passes here once in n pushes
+        if head == 0 {
             (self.energy, self.sum) = (self.fresh_energy, self.fresh_sum);
             (self.fresh_energy, self.fresh_sum) = (0.0, 0.0);
         }
@@ -82,13 +84,12 @@ impl<const N: usize> DelayLine<N> {
         self.waiting.get(source).copied().unwrap_or(0.0)
     }
 
-    /// φ, newest first.
+    /// φ of n = `length` inputs, newest first.
     #[must_use]
-    pub fn regressor(&self) -> &[f32; N] {
+    pub fn regressor(&self, length: usize) -> &[f32] {
         let all = self.mirrored.as_flattened();
-        let [first, _] = &self.mirrored;
-        // `head` is below N, so the fallback is never taken; it stands for a panic path
-        all.get(self.head..).and_then(<[f32]>::first_chunk).unwrap_or(first)
+        // `head` is below n and n at most N, so there always are as many
+        all.get(self.head..).and_then(|rest| rest.get(..length)).unwrap_or_default()
     }
 
     /// Σ x² over φ, rad².
@@ -113,10 +114,10 @@ mod tests {
         for delay in [0_u8, 1, 3, 15] {
             let mut line = DelayLine::<5>::new();
             for k in 1..=100 {
-                line.push(k as f32, delay);
+                line.push(k as f32, delay, 5);
                 let expected: [f32; 5] =
                     core::array::from_fn(|i| (k - i as i32 - i32::from(delay)).max(0) as f32);
-                assert_eq!(line.regressor(), &expected);
+                assert_eq!(line.regressor(5), &expected);
             }
         }
     }
@@ -128,10 +129,10 @@ mod tests {
         for _ in 0..200_000 {
             // logistic map: a signal without a period
             x = 3.99 * x * (1.0 - x);
-            line.push(x - 0.5, 2);
+            line.push(x - 0.5, 2, 60);
         }
-        let energy: f64 = line.regressor().iter().map(|&x| f64::from(x) * f64::from(x)).sum();
-        let sum: f64 = line.regressor().iter().map(|&x| f64::from(x)).sum();
+        let energy: f64 = line.regressor(60).iter().map(|&x| f64::from(x) * f64::from(x)).sum();
+        let sum: f64 = line.regressor(60).iter().map(|&x| f64::from(x)).sum();
         assert!((f64::from(line.energy()) / energy - 1.0).abs() < 1e-5);
         assert!((f64::from(line.sum()) - sum).abs() < 1e-4);
     }
@@ -140,10 +141,10 @@ mod tests {
     fn energy_returns_to_zero_when_the_input_does() {
         let mut line = DelayLine::<7>::new();
         for k in 0..50 {
-            line.push(0.01 * k as f32, 0);
+            line.push(0.01 * k as f32, 0, 7);
         }
         for _ in 0..14 {
-            line.push(0.0, 0);
+            line.push(0.0, 0, 7);
         }
         assert_eq!((line.energy(), line.sum()), (0.0, 0.0));
     }

@@ -1,7 +1,7 @@
 //! Normalised LMS estimate of the finite impulse response from command to pitch rate.
 //!
 //! ```text
-//! q̂[k] = w[k]ᵀ φ[k]        φ[k] = (u[k−1−d], …, u[k−N−d])
+//! q̂[k] = w[k]ᵀ φ[k]        φ[k] = (u[k−1−d], …, u[k−n−d])
 //! e[k] = q[k] − q̂[k]
 //! w[k+1] = (1 − γ) w[k] + μ e[k] φ[k] / (ε + φ[k]ᵀ φ[k])
 //! ```
@@ -13,6 +13,7 @@
 //! | γ | leakage: pulls unexcited directions to zero | - | 0 to 0.01 |
 //! | ε | regularisation: bounds the step where the input is silent | rad² | 1e-12 to 1 |
 //! | d | input delay | samples | 0 to 15 |
+//! | n | number of taps | - | 1 to N, the capacity |
 //!
 //! For 0 < μ < 2 the a-posteriori error (1 − μ φᵀφ/(ε+φᵀφ)) e never exceeds e, whatever the input; that is the
 //! stability bound checked by `build`. E\[u²\] of the paper's excitation is about 2e-4 rad², so the plain LMS
@@ -27,11 +28,11 @@
 //! Order of summation, the same on chip and host: eight partial sums, tap i ≥ 1 to sum i mod 8, then
 //! ((s0+s1)+(s2+s3)) + ((s4+s5)+(s6+s7)), then tap 0. No fused multiply-add.
 //!
-//! Cost: 12 N + 96 bytes; 4 N + 20 operations per sample, 5 N with leakage.
+//! Cost: 12 N + 96 bytes; 4 n + 20 operations per sample, 5 n with leakage.
 //! Source: Nagumo, Noda, 1967; Haykin, *Adaptive Filter Theory*, 4th ed., table 6.1.
 
 use crate::config::{ConfigError, within};
-use crate::constants::MAX_INPUT_DELAY;
+use crate::constants::{MAX_INPUT_DELAY, TAPS};
 use crate::delay_line::DelayLine;
 
 /// Estimator in SI units.
@@ -46,11 +47,13 @@ pub struct LmsConfig {
     pub regularisation_rad2: f32,
     /// d, samples, 0 to 15. Three are 0.06 s.
     pub input_delay: u8,
+    /// n, 1 to the capacity N.
+    pub taps: u16,
 }
 
 impl Default for LmsConfig {
     fn default() -> Self {
-        Self { step: 0.05, leakage: 0.0, regularisation_rad2: 1e-4, input_delay: 3 }
+        Self { step: 0.05, leakage: 0.0, regularisation_rad2: 1e-4, input_delay: 3, taps: TAPS as u16 }
     }
 }
 
@@ -64,7 +67,9 @@ impl LmsConfig {
         within("lms.leakage", "", self.leakage, [0.0, 0.01])?;
         within("lms.regularisation_rad2", "rad²", self.regularisation_rad2, [1e-12, 1.0])?;
         within("lms.input_delay", "samples", f32::from(self.input_delay), [0.0, f32::from(MAX_INPUT_DELAY)])?;
+        within("lms.taps", "", f32::from(self.taps), [1.0, N as f32])?;
         Ok(NormalizedLms {
+            taps: usize::from(self.taps),
             step: self.step,
             keep: 1.0 - self.leakage,
             regularisation: self.regularisation_rad2,
@@ -73,9 +78,11 @@ impl LmsConfig {
     }
 }
 
-/// Estimator of N taps, checked.
+/// Estimator of up to N taps, checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalizedLms<const N: usize> {
+    /// n.
+    pub(crate) taps: usize,
     pub(crate) step: f32,
     pub(crate) keep: f32,
     regularisation: f32,
@@ -99,7 +106,7 @@ impl<const N: usize> Default for LmsState<N> {
 }
 
 impl<const N: usize> LmsState<N> {
-    /// w, rad/s per rad; w\[i\] is the response 1 + d + i samples after a unit pulse of one sample.
+    /// w, rad/s per rad; w\[i\] is the response 1 + d + i samples after a unit pulse of one sample. Zero from n on.
     #[must_use]
     pub const fn taps(&self) -> &[f32; N] {
         &self.taps
@@ -129,14 +136,14 @@ impl<const N: usize> NormalizedLms<N> {
         let error = q - *prediction;
         *passed = true;
         if !adapt {
-            *prediction = pass(taps, line.regressor(), |w, _| w);
+            *prediction = pass(taps, line.regressor(self.taps), |w, _| w);
             return Update { error, gain: 0.0 };
         }
         let gain = self.step * error / (self.regularisation + line.energy());
         *prediction = if self.keep == 1.0 {
-            pass(taps, line.regressor(), |w, x| w + gain * x)
+            pass(taps, line.regressor(self.taps), |w, x| w + gain * x)
         } else {
-            pass(taps, line.regressor(), |w, x| self.keep * w + gain * x)
+            pass(taps, line.regressor(self.taps), |w, x| self.keep * w + gain * x)
         };
         Update { error, gain }
     }
@@ -145,23 +152,28 @@ impl<const N: usize> NormalizedLms<N> {
     /// no sample to observe.
     pub fn push(&self, state: &mut LmsState<N>, u: f32) {
         if !state.passed {
-            look_ahead(state);
+            self.look_ahead(state);
         }
         let LmsState { taps, line, prediction, passed } = state;
         *passed = false;
-        let newest = line.push(u, self.input_delay);
+        let newest = line.push(u, self.input_delay, self.taps);
         *prediction += taps.first().map_or(0.0, |w| w * newest);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn look_ahead(&self, state: &mut LmsState<N>) {
+        state.prediction = pass(&mut state.taps, state.line.regressor(self.taps), |w, _| w);
     }
 }
 
-#[cold]
+/// w\[i\] ← `change`(w\[i\], x\[i\]) for every i of x; returns Σ w\[i\] x\[i−1\] over i ≥ 1, in the documented order.
+///
+/// A function of its own: inlined, the compiler addresses both slices from the state's beginning, too far for one instruction.
 #[inline(never)]
-fn look_ahead<const N: usize>(state: &mut LmsState<N>) {
-    state.prediction = pass(&mut state.taps, state.line.regressor(), |w, _| w);
-}
-
-/// w\[i\] ← `change`(w\[i\], x\[i\]); returns Σ w\[i\] x\[i−1\] over i ≥ 1, in the documented order.
-fn pass<const N: usize>(w: &mut [f32; N], x: &[f32; N], change: impl Fn(f32, f32) -> f32) -> f32 {
+fn pass(w: &mut [f32], x: &[f32], change: impl Fn(f32, f32) -> f32) -> f32 {
+    // never taken; written so that both lengths are known to be one
+    let Some(w) = w.get_mut(..x.len()) else { return 0.0 };
     let (w8, w_rest) = w.as_chunks_mut::<8>();
     let (x8, x_rest) = x.as_chunks::<8>();
     let mut sums = [0.0_f32; 8];
@@ -194,7 +206,7 @@ mod tests {
     #[test]
     fn one_tap_meets_the_closed_form() {
         // x = 1 throughout: w[k] = h (1 − (1 − μ/(1+ε))^k)
-        let lms = LmsConfig { step: 0.5, regularisation_rad2: 1.0, input_delay: 0, leakage: 0.0 };
+        let lms = LmsConfig { step: 0.5, regularisation_rad2: 1.0, input_delay: 0, leakage: 0.0, taps: 1 };
         let lms = lms.build::<1>().unwrap();
         let mut state = LmsState::default();
         lms.push(&mut state, 1.0);
@@ -209,7 +221,8 @@ mod tests {
     #[test]
     fn finds_known_taps_behind_a_delay() {
         let truth: [f32; 12] = core::array::from_fn(|i| 4.0 * (-0.3 * i as f32).exp());
-        let lms = LmsConfig { step: 0.5, input_delay: 2, ..LmsConfig::default() }.build::<12>().unwrap();
+        let lms =
+            LmsConfig { step: 0.5, input_delay: 2, taps: 12, ..LmsConfig::default() }.build::<12>().unwrap();
         let (mut state, mut seed) = (LmsState::default(), 1);
         let mut inputs = std::vec![0.0_f32; 20];
         for _ in 0..4000 {
@@ -227,7 +240,8 @@ mod tests {
     #[test]
     fn leakage_pulls_the_taps_to_the_closed_form_equilibrium() {
         // one tap, x = 1: γ w = g e, with e = h − w and g = μ/(1+ε)  ⇒  w = g h / (γ + g)
-        let config = LmsConfig { step: 0.1, leakage: 0.01, regularisation_rad2: 1e-4, input_delay: 0 };
+        let config =
+            LmsConfig { step: 0.1, leakage: 0.01, regularisation_rad2: 1e-4, input_delay: 0, taps: 1 };
         let lms = config.build::<1>().unwrap();
         let mut state = LmsState::default();
         lms.push(&mut state, 1.0);
@@ -256,10 +270,11 @@ mod tests {
     /// The error is q − wᵀφ for the taps and the regressor as they stand, however the sample before was treated.
     #[test]
     fn the_prediction_is_that_of_the_present_taps() {
-        let lms = LmsConfig { step: 0.7, input_delay: 1, ..LmsConfig::default() }.build::<19>().unwrap();
+        let lms =
+            LmsConfig { step: 0.7, input_delay: 1, taps: 19, ..LmsConfig::default() }.build::<19>().unwrap();
         let (mut state, mut seed) = (LmsState::default(), 3);
         for k in 0..500 {
-            let expected: f32 = state.taps().iter().zip(state.line().regressor()).map(|(w, x)| w * x).sum();
+            let expected: f32 = state.taps().iter().zip(state.line().regressor(19)).map(|(w, x)| w * x).sum();
             if k % 7 != 3 {
                 let error = lms.observe(&mut state, 1.0, k % 5 != 0).error;
                 assert!((error - (1.0 - expected)).abs() < 1e-5, "{k}: {error} {expected}");

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 const N: usize = 19;
 
 fn build(step: f32, regularisation_rad2: f32, input_delay: u8) -> NormalizedLms<N> {
-    LmsConfig { step, regularisation_rad2, input_delay, leakage: 0.0 }.build().unwrap()
+    LmsConfig { step, regularisation_rad2, input_delay, leakage: 0.0, taps: N as u16 }.build().unwrap()
 }
 
 fn squared_distance(a: &[f32; N], b: &[f32; N]) -> f64 {
@@ -96,6 +96,25 @@ proptest! {
             lms.push(&mut state, now);
         }
         prop_assert!(squared_distance(state.taps(), &truth) < 0.01, "{:?}", state.taps());
+    }
+
+    /// A length below the capacity gives the bits of that very capacity, and leaves the rest alone.
+    #[test]
+    fn the_capacity_does_not_show(
+        data in prop::collection::vec((-0.05_f32..0.05, -1.0_f32..1.0), 100),
+        delay in 0_u8..=15,
+    ) {
+        let config = LmsConfig { step: 0.4, input_delay: delay, taps: N as u16, ..LmsConfig::default() };
+        let (exact, roomy) = (config.build::<N>().unwrap(), config.build::<64>().unwrap());
+        let (mut a, mut b) = (LmsState::default(), LmsState::default());
+        for (u, q) in data {
+            prop_assert_eq!(exact.observe(&mut a, q, true), roomy.observe(&mut b, q, true));
+            exact.push(&mut a, u);
+            roomy.push(&mut b, u);
+            prop_assert_eq!(a.line().energy().to_bits(), b.line().energy().to_bits());
+        }
+        prop_assert_eq!(a.taps().map(f32::to_bits), b.taps().first_chunk::<N>().unwrap().map(f32::to_bits));
+        prop_assert!(b.taps()[N..].iter().all(|&w| w == 0.0));
     }
 
     /// While gated the taps keep every bit, and the regressor goes on.

@@ -2,7 +2,7 @@
 //!
 //! A value is taken when it lies in the range of the table *and* the core builds a test from it; else the old one stays.
 
-use estimator_core::constants::TAPS;
+use estimator_core::constants::{MAX_INPUT_DELAY, MAX_TAPS};
 use estimator_core::{Config, ConfigError, Cycle};
 
 /// One parameter.
@@ -25,7 +25,7 @@ macro_rules! parameter {
 }
 
 /// All parameters, in the order of their MAVLink index.
-pub const PARAMETERS: [Parameter; 14] = [
+pub const PARAMETERS: [Parameter; 16] = [
     parameter!("EXC_AMPL", "rad", [0.0, 0.03], prbs.amplitude_rad),
     parameter!("EXC_DWELL_MIN", "s", [0.02, 10.0], prbs.dwell_min_s),
     parameter!("EXC_DWELL_MAX", "s", [0.02, 10.0], prbs.dwell_max_s),
@@ -47,6 +47,20 @@ pub const PARAMETERS: [Parameter; 14] = [
     parameter!("REL_RATE", "rad/s", [0.001, 5.4], supervisor.release_q_rad_s),
     parameter!("LMS_STEP", "", [1e-6, 1.999], lms.step),
     parameter!("LMS_LEAK", "", [0.0, 0.01], lms.leakage),
+    Parameter {
+        name: "LMS_TAPS",
+        unit: "",
+        range: [1.0, MAX_TAPS as f32],
+        get: |c| f32::from(c.lms.taps),
+        set: |c, value| c.lms.taps = value as u16,
+    },
+    Parameter {
+        name: "LMS_DELAY",
+        unit: "samples",
+        range: [0.0, MAX_INPUT_DELAY as f32],
+        get: |c| f32::from(c.lms.input_delay),
+        set: |c, value| c.lms.input_delay = value as u8,
+    },
 ];
 
 /// Why a value was not taken.
@@ -76,7 +90,7 @@ impl Parameter {
 ///
 /// # Errors
 /// An unknown name, or a value that is not legal, with the range.
-pub fn set(config: &mut Config, name: &str, value: f32) -> Result<(usize, Cycle<TAPS>), Refusal> {
+pub fn set(config: &mut Config, name: &str, value: f32) -> Result<(usize, Cycle<MAX_TAPS>), Refusal> {
     let (index, parameter) = find(name).ok_or(Refusal::Unknown)?;
     let [low, high] = parameter.range;
     // written so that NaN fails

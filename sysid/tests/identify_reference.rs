@@ -52,7 +52,7 @@ fn lms_from_rest(recordings: &[Recording]) -> Fir {
     q.splice(0..0, [0.0; 63]);
     let supervised = vec![false; u.len()];
     let piece = Piece { u: &u, y: &q, supervised: &supervised, rows: 63..u.len(), run: 0, step: 0.02 };
-    let lms = LmsConfig { step: 0.03, leakage: 0.0, regularisation_rad2: 1e-12, input_delay: 3 };
+    let lms = LmsConfig { step: 0.03, leakage: 0.0, regularisation_rad2: 1e-12, input_delay: 3, taps: 60 };
     let found = replay::<60>(&[piece], &lms, &ConvergenceConfig::default()).unwrap();
     println!("{:?}", found.convergence);
     found.fir

@@ -1,6 +1,6 @@
 //! The control cycle: read, estimate the attitude, step the core, move the servos, report.
 
-use estimator_core::constants::{TAPS, TICK_US};
+use estimator_core::constants::{MAX_TAPS, TICK_US};
 use estimator_core::{Command, Cycle, CycleState, Input, Sample, Telemetry};
 use firmware::failsafe::Cause;
 use firmware::hil::HilTick;
@@ -17,8 +17,8 @@ const MOST_LATE: u32 = 2;
 
 /// The test and how far it has got.
 pub struct Test {
-    pub cycle: Cycle<TAPS>,
-    pub state: CycleState<TAPS>,
+    pub cycle: Cycle<MAX_TAPS>,
+    pub state: CycleState<MAX_TAPS>,
 }
 
 /// What the link leaves for the cycle.

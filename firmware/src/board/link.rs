@@ -1,7 +1,7 @@
 //! The link's loop: bytes in, answers and reports out. It runs below everything else.
 
 use core::fmt::Write as _;
-use estimator_core::constants::TAPS;
+use estimator_core::constants::MAX_TAPS;
 use estimator_core::{Command, Config, Telemetry};
 use firmware::failsafe::Cause;
 use firmware::link::decoder::Decoder;
@@ -119,7 +119,7 @@ impl Link {
     }
 
     /// Sends what the cycles have reported.
-    pub fn tell(&mut self, mut taps: impl FnMut() -> [f32; TAPS]) {
+    pub fn tell(&mut self, mut taps: impl FnMut() -> [f32; MAX_TAPS]) {
         let Self { ground, outgoing, reported, .. } = self;
         while let Some(telemetry) = reported.dequeue() {
             if let Some(event) = telemetry.event {

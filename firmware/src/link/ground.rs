@@ -10,22 +10,23 @@
 
 use core::fmt::Write as _;
 
-use estimator_core::constants::TAPS;
+use estimator_core::constants::MAX_TAPS;
 use estimator_core::{Config, ConfigError, Cycle, Event, Phase, Telemetry};
 use heapless::String;
 use mavlink::MavlinkVersion::V2;
 use mavlink::MessageData;
 use mavlink::dialects::common::{
-    COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA, MANUAL_CONTROL_DATA, MavAutopilot,
-    MavCmd, MavModeFlag, MavParamType, MavResult, MavSeverity, MavState, MavType, PARAM_REQUEST_LIST_DATA,
-    PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, PARAM_VALUE_DATA, SETUP_SIGNING_DATA,
+    COMMAND_ACK_DATA, COMMAND_LONG_DATA, DEBUG_FLOAT_ARRAY_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA,
+    MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavModeFlag, MavParamType, MavResult, MavSeverity, MavState,
+    MavType, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, PARAM_VALUE_DATA,
+    SETUP_SIGNING_DATA,
 };
 
 use crate::hil::{HilClock, HilTick};
 use crate::link::decoder::Frame;
 use crate::link::frame::{Header, encode, sign};
 use crate::link::signing::{Gate, Key};
-use crate::link::telemetry::{TAP_PIECES, actuators, attitude, cycle_array, phase_code, taps_array, texts};
+use crate::link::telemetry::{actuators, attitude, cycle_array, phase_code, taps_arrays, texts};
 use crate::parameters::{self, PARAMETERS, Refusal};
 
 /// System and component of this vehicle.
@@ -61,7 +62,7 @@ pub enum Action {
 #[derive(Clone)]
 pub struct Ground {
     config: Config,
-    test: Cycle<TAPS>,
+    test: Cycle<MAX_TAPS>,
     armed: bool,
     hil: bool,
     /// True when real sensors answer, so the vehicle may be armed without HIL.
@@ -69,6 +70,9 @@ pub struct Ground {
     running: bool,
     phase: Phase,
     clock: HilClock,
+    /// Length of the estimate that is being flown or was flown last.
+    taps: usize,
+    taps_wanted: bool,
     gate: Option<Gate>,
     sequence: u8,
     text: u16,
@@ -105,6 +109,8 @@ impl Ground {
             running: false,
             phase: Phase::Idle,
             clock: HilClock::default(),
+            taps: usize::from(config.lms.taps),
+            taps_wanted: false,
             gate: None,
             sequence: 0,
             text: 0,
@@ -113,7 +119,7 @@ impl Ground {
 
     /// The test that a start would begin.
     #[must_use]
-    pub const fn test(&self) -> &Cycle<TAPS> {
+    pub const fn test(&self) -> &Cycle<MAX_TAPS> {
         &self.test
     }
 
@@ -165,6 +171,11 @@ impl Ground {
             MavCmd::MAV_CMD_USER_1 if !self.armed => Err("start refused: arm first"),
             MavCmd::MAV_CMD_USER_1 if self.running => Err("start refused: a test runs"),
             MavCmd::MAV_CMD_USER_1 => Ok(Action::Start),
+            MavCmd::MAV_CMD_REQUEST_MESSAGE if command.param1 == DEBUG_FLOAT_ARRAY_DATA::ID as f32 => {
+                self.taps_wanted = true;
+                self.send(&ack(command, MavResult::MAV_RESULT_ACCEPTED), out);
+                return None;
+            }
             _ => {
                 self.send(&ack(command, MavResult::MAV_RESULT_UNSUPPORTED), out);
                 return None;
@@ -188,7 +199,7 @@ impl Ground {
         match action {
             Action::Arm => self.armed = true,
             Action::Disarm => (self.armed, self.running) = (false, false),
-            Action::Start => self.running = true,
+            Action::Start => (self.running, self.taps) = (true, usize::from(self.config.lms.taps)),
             Action::Hil(on) => (self.hil, self.clock) = (on, HilClock::default()),
             Action::Abort | Action::Tick(_) | Action::Reference(_) => {}
         }
@@ -250,11 +261,11 @@ impl Ground {
         self.send(&value, out);
     }
 
-    /// Tells the ground what a cycle did; `taps` are fetched once a second and at the end of a test.
+    /// Tells the ground what a cycle did; `taps` are fetched once a second, at the end of a test, and on request.
     pub fn report(
         &mut self,
         telemetry: &Telemetry,
-        taps: impl FnOnce() -> [f32; TAPS],
+        taps: impl FnOnce() -> [f32; MAX_TAPS],
         out: &mut impl FnMut(&[u8]),
     ) {
         self.phase = telemetry.phase;
@@ -274,11 +285,11 @@ impl Ground {
         if telemetry.tick.is_multiple_of(ATTITUDE_EVERY) {
             self.send(&attitude(telemetry), out);
         }
-        if (second && self.running)
-            || matches!(telemetry.event, Some(Event::Finished { .. } | Event::Aborted(_)))
-        {
+        let ended = matches!(telemetry.event, Some(Event::Finished { .. } | Event::Aborted(_)));
+        if core::mem::take(&mut self.taps_wanted) || ended || (second && self.running) {
             let taps = taps();
-            (0..TAP_PIECES).for_each(|piece| self.send(&taps_array(&taps, piece, telemetry.now_us), out));
+            let used = taps.get(..self.taps).unwrap_or(&taps);
+            taps_arrays(used, telemetry.now_us).for_each(|piece| self.send(&piece, out));
         }
         // last, so that in lockstep it tells that all of the tick has been said
         self.send(&cycle_array(telemetry), out);

@@ -2,7 +2,7 @@
 //!
 //! | in | out |
 //! | --- | --- |
-//! | `COMMAND_LONG`: arm, HIL mode, start and abort a test | `COMMAND_ACK`, `STATUSTEXT` |
+//! | `COMMAND_LONG`: arm, HIL mode, start and abort a test, ask for the taps | `COMMAND_ACK`, `STATUSTEXT` |
 //! | `PARAM_REQUEST_LIST`, `PARAM_REQUEST_READ`, `PARAM_SET` | `PARAM_VALUE` |
 //! | `HIL_SENSOR`, one cycle each | `HIL_ACTUATOR_CONTROLS` |
 //! | `MANUAL_CONTROL`: x is the pitch reference of section IV | `DEBUG_FLOAT_ARRAY` `cycle`, `taps` |

@@ -16,7 +16,6 @@
 //! in full `f32`, so a recording made of them replays to the same bits (the tick is exact up to 2²⁴). The name `taps` carries
 //! w in pieces of 58, the piece's number in `array_id`.
 
-use estimator_core::constants::TAPS;
 use estimator_core::{Phase, Section, Telemetry, Verdict};
 use mavlink::dialects::common::{
     ATTITUDE_DATA, DEBUG_FLOAT_ARRAY_DATA, HIL_ACTUATOR_CONTROLS_DATA, HilActuatorControlsFlags, MavModeFlag,
@@ -28,9 +27,6 @@ use crate::servo::ServoConfig;
 
 /// Floats in one `DEBUG_FLOAT_ARRAY`.
 const PIECE: usize = 58;
-/// Pieces that the taps take.
-pub const TAP_PIECES: usize = TAPS.div_ceil(PIECE);
-
 /// The `cycle` array.
 #[must_use]
 pub fn cycle_array(telemetry: &Telemetry) -> DEBUG_FLOAT_ARRAY_DATA {
@@ -61,11 +57,10 @@ pub fn cycle_array(telemetry: &Telemetry) -> DEBUG_FLOAT_ARRAY_DATA {
     array("cycle", 0, telemetry.now_us, &values)
 }
 
-/// Piece number `piece` of the taps.
-#[must_use]
-pub fn taps_array(taps: &[f32; TAPS], piece: usize, now_us: u64) -> DEBUG_FLOAT_ARRAY_DATA {
-    let values = taps.chunks(PIECE).nth(piece).unwrap_or_default();
-    array("taps", piece as u16, now_us, values)
+/// The taps in pieces.
+pub fn taps_arrays(taps: &[f32], now_us: u64) -> impl Iterator<Item = DEBUG_FLOAT_ARRAY_DATA> {
+    let pieces = taps.chunks(PIECE).zip(0..);
+    pieces.map(move |(values, piece)| array("taps", piece, now_us, values))
 }
 
 fn array(name: &str, array_id: u16, time_usec: u64, values: &[f32]) -> DEBUG_FLOAT_ARRAY_DATA {
@@ -148,9 +143,12 @@ mod tests {
 
     #[test]
     fn the_pieces_hold_every_tap_once() {
-        let taps = core::array::from_fn(|i| i as f32);
-        let pieces: Vec<f32> =
-            (0..TAP_PIECES).flat_map(|p| taps_array(&taps, p, 0).data).take(TAPS).collect();
-        assert_eq!(pieces, taps);
+        for (length, count) in [(1, 1), (58, 1), (59, 2), (60, 2), (256, 5)] {
+            let taps: Vec<f32> = (0..length).map(|i| i as f32).collect();
+            let pieces: Vec<_> = taps_arrays(&taps, 0).collect();
+            assert_eq!(pieces.len(), count);
+            let found: Vec<f32> = pieces.iter().flat_map(|piece| piece.data).take(length).collect();
+            assert_eq!(found, taps);
+        }
     }
 }

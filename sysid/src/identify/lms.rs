@@ -43,7 +43,7 @@ pub fn replay<const N: usize>(
     };
     let window = N + usize::from(lms.input_delay);
     let mut replay = Replay {
-        lms: lms.build::<N>().map_err(refuse)?,
+        lms: LmsConfig { taps: N as u16, ..*lms }.build::<N>().map_err(refuse)?,
         meter: convergence.build().map_err(refuse)?,
         state: LmsState::default(),
         figures: ConvergenceState::default(),
