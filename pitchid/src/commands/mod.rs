@@ -2,9 +2,12 @@
 
 mod demo;
 mod diagnose;
+mod fly;
 mod identify;
 mod prove;
+mod line;
 mod reading;
+mod record;
 mod simulate;
 
 use crate::failure::Failure;
@@ -26,6 +29,7 @@ Examples:
   pitchid identify test1.csv test2.csv --out-model fitted.toml
   pitchid simulate --effect coulomb_friction:Mc=0.1 --out friction.csv
   pitchid prove                                       conceal, seal, diagnose, count: how often it is right
+  pitchid fly /dev/ttyUSB0 --campaign 4 --out flight.csv
 
 Exit status:
   0  the question was answered, whatever the answer is
@@ -35,8 +39,10 @@ Exit status:
 enum Command {
     Demo(demo::Arguments),
     Diagnose(diagnose::Arguments),
+    Fly(fly::Arguments),
     Identify(identify::Arguments),
     Prove(prove::Arguments),
+    Record(record::Arguments),
     Simulate(simulate::Arguments),
 }
 
@@ -48,8 +54,10 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Fly(arguments) => fly::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Prove(arguments) => prove::run(&arguments),
+        Command::Record(arguments) => record::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
     }
 }
