@@ -27,7 +27,12 @@ pub enum Cause {
     },
     /// The supply fell below 2.9 V.
     BrownOut,
+    /// The watchdog bit: no cycle met its deadline for 70 ms, and nothing could say why.
+    Watchdog,
 }
+
+/// Bit of the clock controller's `RCC_CSR` that the independent watchdog's reset sets (reference manual RM0090, 7.3.21).
+pub const WATCHDOG_RESET: u32 = 1 << 29;
 
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -36,6 +41,7 @@ impl fmt::Display for Cause {
             Self::HardFault { address } => write!(f, "last reset: hard fault at {address:#010x}"),
             Self::MissedDeadlines { count } => write!(f, "last reset: {count} deadlines missed in a row"),
             Self::BrownOut => f.write_str("last reset: supply below 2.9 V"),
+            Self::Watchdog => f.write_str("last reset: watchdog, no cycle met its deadline for 70 ms"),
         }
     }
 }
@@ -62,6 +68,7 @@ impl Record {
             Cause::HardFault { address } => (2, address),
             Cause::MissedDeadlines { count } => (3, count),
             Cause::BrownOut => (4, 0),
+            Cause::Watchdog => (5, 0),
         };
         Self { mark: MARK, kind, detail, check: checksum(kind, detail) }
     }
@@ -78,6 +85,7 @@ impl Record {
             2 => Some(Cause::HardFault { address: detail }),
             3 => Some(Cause::MissedDeadlines { count: detail }),
             4 => Some(Cause::BrownOut),
+            5 => Some(Cause::Watchdog),
             _ => None,
         }
     }
@@ -98,6 +106,7 @@ mod tests {
             Cause::HardFault { address: 0x0800_1234 },
             Cause::MissedDeadlines { count: 3 },
             Cause::BrownOut,
+            Cause::Watchdog,
         ];
         for cause in causes {
             let record = Record::of(cause);

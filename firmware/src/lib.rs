@@ -12,6 +12,7 @@
 //! Nothing here panics on what comes over the wire or from a sensor.
 #![cfg_attr(not(test), no_std)]
 
+pub mod deadline;
 pub mod failsafe;
 pub mod hil;
 pub mod imu;

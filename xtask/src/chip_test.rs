@@ -14,12 +14,13 @@ pub fn run() -> Outcome {
     if Command::new("qemu-system-arm").arg("--version").output().is_err() {
         return Err("no emulator; install qemu-system-arm".into());
     }
+    let control = image::build(Some(no_panic::CONTROL))?;
     let images = image::build(None)?;
     println!("budgets:");
     let mut ledger = Ledger::open()?;
     let statics = budget::sizes(&images.flight, &mut ledger)?;
     budget::count(&images.selftest, &mut ledger)?;
-    let flown = fly(&images.flight, statics, &mut ledger)?;
+    let flown = fly([&images.flight, &control.flight], statics, &mut ledger)?;
     ledger.close()?;
     no_panic::check()?;
     // the budgets, the proof and its control
@@ -28,15 +29,21 @@ pub fn run() -> Outcome {
 }
 
 /// Runs the tests that fly the image; returns how many passed.
-fn fly(flight: &Path, statics: u64, ledger: &mut Ledger) -> Outcome<usize> {
+fn fly([flight, control]: [&Path; 2], statics: u64, ledger: &mut Ledger) -> Outcome<usize> {
     let mut cargo = Command::new(env::var("CARGO").unwrap_or_else(|_| "cargo".into()));
-    cargo.current_dir(root()).env("PITCHID_FLIGHT_IMAGE", flight).stdout(Stdio::piped());
+    cargo
+        .current_dir(root())
+        .env("PITCHID_FLIGHT_IMAGE", flight)
+        .env("PITCHID_FAULTS_IMAGE", control)
+        .stdout(Stdio::piped());
     cargo.args([
         "test",
         "--package",
         "pitchid-tests",
         "--test",
         "chip",
+        "--test",
+        "chip_failsafe",
         "--test",
         "chip_faults",
         "--",

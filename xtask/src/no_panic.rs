@@ -30,7 +30,7 @@ struct Function {
 }
 
 /// Feature that puts a panic into the control cycle, for the control of the proof.
-const CONTROL: &str = "panic-in-cycle";
+pub const CONTROL: &str = "provoked-faults";
 
 /// Proves it of the flight image, and that the proof would find a panic.
 pub fn check() -> Outcome {

@@ -2,6 +2,7 @@
 
 use estimator_core::constants::{MAX_TAPS, TICK_US};
 use estimator_core::{Command, Cycle, CycleState, Input, Sample, Telemetry};
+use firmware::deadline::{Deadline, Verdict};
 use firmware::failsafe::Cause;
 use firmware::hil::HilTick;
 use firmware::pitch_filter::{Motion, PitchFilter};
@@ -11,9 +12,6 @@ use stm32f4xx_hal::timer::Flag;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::{BoardImu, BoardServos, Timer, failsafe};
-
-/// Late cycles in a row that end in a reset.
-const MOST_LATE: u32 = 2;
 
 /// The test and how far it has got.
 pub struct Test {
@@ -43,7 +41,7 @@ pub struct Control {
     filter: PitchFilter,
     tick: u32,
     now_us: u64,
-    late: u32,
+    deadline: Deadline,
 }
 
 impl Control {
@@ -53,7 +51,16 @@ impl Control {
         imu: Option<BoardImu>,
         servos: BoardServos,
     ) -> Self {
-        Self { timer, watchdog, imu, servos, filter: PitchFilter::default(), tick: 0, now_us: 0, late: 0 }
+        Self {
+            timer,
+            watchdog,
+            imu,
+            servos,
+            filter: PitchFilter::default(),
+            tick: 0,
+            now_us: 0,
+            deadline: Deadline::default(),
+        }
     }
 
     /// True when a real IMU answered.
@@ -63,9 +70,9 @@ impl Control {
 
     /// One interrupt.
     pub fn step(&mut self, test: &mut Test, desk: &mut Desk, reports: &mut Producer<'static, Telemetry>) {
-        #[cfg(feature = "panic-in-cycle")]
-        assert!(desk.reference_rad < 1e9, "the negative control of the proof");
         self.timer.clear_flags(Flag::Update);
+        #[cfg(feature = "provoked-faults")]
+        self.provoke(desk.reference_rad);
         if core::mem::take(&mut desk.forget) {
             self.filter = PitchFilter::default();
         }
@@ -100,16 +107,19 @@ impl Control {
         Some(Input { tick, now_us, sample, theta_ref_rad: desk.reference_rad, command })
     }
 
+    /// Stick full forward panics, full back takes until the timer has come round again.
+    #[cfg(feature = "provoked-faults")]
+    fn provoke(&self, reference_rad: f32) {
+        assert!(reference_rad < 0.25, "provoked");
+        while reference_rad < -0.25 && !self.timer.flags().contains(Flag::Update) {}
+    }
+
     /// Feeds the watchdog if the timer has not come round again meanwhile. In the loop the simulator sets the pace.
     fn meet_deadline(&mut self, hil: bool) {
-        if hil || !self.timer.flags().contains(Flag::Update) {
-            self.late = 0;
-            self.watchdog.feed();
-            return;
-        }
-        self.late = self.late.saturating_add(1);
-        if self.late > MOST_LATE {
-            failsafe::give_up(Cause::MissedDeadlines { count: self.late });
+        match self.deadline.close(!hil && self.timer.flags().contains(Flag::Update)) {
+            Verdict::Feed => self.watchdog.feed(),
+            Verdict::Hold => {}
+            Verdict::GiveUp { count } => failsafe::give_up(Cause::MissedDeadlines { count }),
         }
     }
 }

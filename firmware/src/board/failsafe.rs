@@ -6,17 +6,23 @@ use core::panic::PanicInfo;
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
-use firmware::failsafe::{Cause, Record};
+use firmware::failsafe::{Cause, Record, WATCHDOG_RESET};
 use firmware::servo::ServoConfig;
-use stm32f4xx_hal::pac::{EXTI, PWR, TIM4};
+use stm32f4xx_hal::pac::{EXTI, PWR, RCC, TIM4};
 use stm32f4xx_hal::rcc::Rcc;
 
 /// Outlives a reset: start-up does not touch this section.
 #[unsafe(link_section = ".uninit.record")]
 static mut RECORD: MaybeUninit<Record> = MaybeUninit::uninit();
 
-/// What the last run left, if it left anything; it is told once.
-pub fn take() -> Option<Cause> {
+/// Why the board was reset: what the last run left, or else that the watchdog bit. It is told once.
+pub fn cause(rcc: &RCC) -> Option<Cause> {
+    let bitten = rcc.csr().read().bits() & WATCHDOG_RESET != 0;
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    take().or(bitten.then_some(Cause::Watchdog))
+}
+
+fn take() -> Option<Cause> {
     let record = &raw mut RECORD;
     // SAFETY: called once, before any interrupt is on; any four words are a `Record`
     unsafe {

@@ -59,7 +59,7 @@ pub struct Parts {
 
 /// Brings the board up: servos to neutral first, then the rest.
 pub fn start(device: pac::Peripherals, core: cortex_m::Peripherals) -> Parts {
-    let cause = failsafe::take();
+    let cause = failsafe::cause(&device.RCC);
     let mut rcc = clock::start(device.RCC);
     let clock_hz = rcc.clocks.sysclk().raw();
     let gpioa = device.GPIOA.split(&mut rcc);

@@ -20,10 +20,15 @@ pub struct Emulator {
     monitor: TcpStream,
 }
 
-/// The image to fly, named by `PITCHID_FLIGHT_IMAGE`, or why there is none.
-pub fn image() -> Result<PathBuf, String> {
-    let found = std::env::var_os("PITCHID_FLIGHT_IMAGE")
-        .ok_or("no image; `cargo xtask chip-test` builds one and runs this")?;
+/// Names of the variables that hold the images: the one that flies, and the one whose control cycle fails on demand.
+pub const FLIGHT: &str = "PITCHID_FLIGHT_IMAGE";
+/// See [`FLIGHT`].
+pub const FAULTS: &str = "PITCHID_FAULTS_IMAGE";
+
+/// The image named by the variable, or why there is none.
+fn image(variable: &str) -> Result<PathBuf, String> {
+    let found =
+        std::env::var_os(variable).ok_or("no image; `cargo xtask chip-test` builds one and runs this")?;
     let probe = Command::new(QEMU).arg("--version").stdout(Stdio::null()).status();
     probe.map_err(|error| format!("{QEMU} cannot be run ({error}); install it (Debian: qemu-system-arm)"))?;
     Ok(PathBuf::from(found))
@@ -32,8 +37,13 @@ pub fn image() -> Result<PathBuf, String> {
 impl Emulator {
     /// Boots the image; without one, says why on standard output and returns none.
     pub fn boot() -> Option<Self> {
-        match image() {
-            Ok(image) => Some(Self::start(&image)),
+        Self::boot_with(FLIGHT, &[])
+    }
+
+    /// Boots the image named by `variable`, the emulator under further `arguments`.
+    pub fn boot_with(variable: &str, arguments: &[String]) -> Option<Self> {
+        match image(variable) {
+            Ok(image) => Some(Self::start(&image, arguments)),
             Err(why) => {
                 println!("skipped: {why}");
                 None
@@ -41,7 +51,7 @@ impl Emulator {
         }
     }
 
-    fn start(image: &std::path::Path) -> Self {
+    fn start(image: &std::path::Path, arguments: &[String]) -> Self {
         let (listener, port) = listen();
         let (monitors, monitor_port) = listen();
         let process = Command::new(QEMU)
@@ -51,6 +61,7 @@ impl Emulator {
             .arg(format!("tcp:127.0.0.1:{port},nodelay=on"))
             .arg("-kernel")
             .arg(image)
+            .args(arguments)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .spawn()
@@ -64,6 +75,11 @@ impl Emulator {
     /// Puts bytes on the wire.
     pub fn send(&mut self, bytes: &[u8]) {
         self.link.write_all(bytes).expect("the emulator listens");
+    }
+
+    /// Presses the reset button.
+    pub fn reset(&mut self) {
+        writeln!(self.monitor, "system_reset").expect("the monitor listens");
     }
 
     /// Bytes of stack that were ever used: start-up paints it, and the paint is gone where it was.
@@ -101,13 +117,13 @@ impl Emulator {
     }
 }
 
-fn listen() -> (TcpListener, u16) {
+pub(super) fn listen() -> (TcpListener, u16) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a local port is free");
     let port = listener.local_addr().expect("a bound socket has an address").port();
     (listener, port)
 }
 
-fn accept(listener: &TcpListener) -> TcpStream {
+pub(super) fn accept(listener: &TcpListener) -> TcpStream {
     listener.set_nonblocking(true).expect("a socket takes the option");
     let begin = Instant::now();
     loop {

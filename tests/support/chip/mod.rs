@@ -1,9 +1,11 @@
 //! The flight image on the emulated chip: starts it, speaks MAVLink with it, flies the simulated aircraft with it.
 
+pub mod debugger;
 pub mod emulator;
 pub mod pilot;
 pub mod twin;
 
+pub use debugger::Debugger;
 pub use emulator::Emulator;
 pub use pilot::Pilot;
 pub use twin::{Simulated, Twin};
