@@ -2,75 +2,23 @@
 
 use std::time::Duration;
 
-use estimator_core::{Command, Config, Phase};
+use estimator_core::Command;
 use firmware::link::frame::{Header, encode, sign};
 use firmware::link::signing::Key;
-use host_sim::Scenario;
 use mavlink::MessageData;
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, HIL_SENSOR_DATA, HilSensorUpdatedFlags, MavCmd, MavMessage, MavResult,
     SETUP_SIGNING_DATA,
 };
-use pitchid_tests::chip::twin::{configure, lockstep};
-use pitchid_tests::chip::{Emulator, Pilot, Simulated, Twin};
+use pitchid_tests::chip::case::{fly, ready};
+use pitchid_tests::chip::{Pilot, Twin};
 
-/// Ticks flown in one case.
-const TICKS: u32 = 400;
 /// Tick of the fault: in section I.
 const FAULT: u32 = 60;
-
-fn scenario() -> Scenario {
-    let mut scenario = Scenario::campaign(4, 0.015, 5).expect("campaign 4 exists");
-    scenario.plan.lead_in_s = 0.4;
-    scenario.plan.section_s = 20.0;
-    scenario
-}
-
-/// What comes of a case: the texts of its transitions, the last phase and the last command.
-struct End {
-    texts: String,
-    phase: Phase,
-    u_rad: f32,
-}
-
-/// A test of [`TICKS`] ticks from a fresh start, each sensor frame through `spoil`, `meanwhile` before each tick.
-fn fly(
-    pilot: &mut Pilot,
-    config: &Config,
-    mut spoil: impl FnMut(u32, &mut HIL_SENSOR_DATA),
-    mut meanwhile: impl FnMut(u32, &mut Pilot, &mut Twin),
-) -> End {
-    pilot.order(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 0.0);
-    pilot.enter_hil();
-    pilot.arm();
-    pilot.begin();
-    let (mut twin, mut aircraft) = (Twin::new(config), Simulated::new(&scenario()));
-    twin.command = Command::Start;
-    let mut end = End { texts: String::new(), phase: Phase::Idle, u_rad: 0.0 };
-    for tick in 0..TICKS {
-        meanwhile(tick, pilot, &mut twin);
-        let (mut sensor, _) = aircraft.sense(tick);
-        spoil(tick, &mut sensor);
-        let (telemetry, said) = lockstep(pilot, &mut twin, &sensor);
-        aircraft.advance(said.u_rad.unwrap_or_default(), &telemetry);
-        end.texts.push_str(&said.texts);
-        end.texts.push('\n');
-        (end.phase, end.u_rad) = (telemetry.phase, telemetry.u_rad);
-    }
-    end
-}
 
 fn nothing(_: u32, _: &mut Pilot, _: &mut Twin) {}
 
 fn clean(_: u32, _: &mut HIL_SENSOR_DATA) {}
-
-fn ready() -> Option<(Pilot, Config)> {
-    let mut pilot = Pilot::new(Emulator::boot()?);
-    let config = scenario().core();
-    pilot.enter_hil();
-    configure(&mut pilot, &config);
-    Some((pilot, config))
-}
 
 type Spoil = fn(u32, &mut HIL_SENSOR_DATA);
 

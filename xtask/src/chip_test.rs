@@ -46,6 +46,8 @@ fn fly([flight, control]: [&Path; 2], statics: u64, ledger: &mut Ledger) -> Outc
         "chip_failsafe",
         "--test",
         "chip_faults",
+        "--test",
+        "chip_upsets",
         "--",
         "--nocapture",
         "--test-threads=1",

@@ -112,7 +112,7 @@ impl Debugger {
                 other => packet.push(other),
             }
         }
-        (byte(), byte());
+        let _checksum = [byte(), byte()];
         self.line.write_all(b"+").expect("the debugger's line is open");
         String::from_utf8_lossy(&packet).into_owned()
     }

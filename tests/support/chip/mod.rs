@@ -1,5 +1,6 @@
 //! The flight image on the emulated chip: starts it, speaks MAVLink with it, flies the simulated aircraft with it.
 
+pub mod case;
 pub mod debugger;
 pub mod emulator;
 pub mod pilot;
