@@ -20,3 +20,4 @@ pub mod link;
 pub mod parameters;
 pub mod pitch_filter;
 pub mod servo;
+pub mod store;

@@ -86,6 +86,17 @@ impl Parameter {
     }
 }
 
+/// The configuration with every parameter as in `values`, in the order of the table; none where they are not legal.
+#[must_use]
+pub fn restore(values: &[f32; PARAMETERS.len()]) -> Option<Config> {
+    let mut config = Config::default();
+    for (parameter, &value) in PARAMETERS.iter().zip(values) {
+        let [low, high] = parameter.range;
+        (value >= low && value <= high).then(|| (parameter.set)(&mut config, value))?;
+    }
+    config.build::<MAX_TAPS>().ok().map(|_| config)
+}
+
 /// Sets one parameter, or leaves `config` as it was; its index and the test that follows from the new configuration.
 ///
 /// # Errors
@@ -117,6 +128,20 @@ mod tests {
             assert!(set(&mut config, parameter.name, value).is_ok(), "{}", parameter.name);
             assert_eq!(config, Config::default());
             assert!(parameter.name.len() <= 16);
+        }
+    }
+
+    #[test]
+    fn all_are_restored_together_or_none() {
+        let mut config = Config::default();
+        set(&mut config, "LIM_THETA", 0.3).unwrap();
+        set(&mut config, "LMS_TAPS", 64.0).unwrap();
+        let values = PARAMETERS.map(|parameter| parameter.value(&config));
+        assert_eq!(restore(&values), Some(config));
+        for place in 0..values.len() {
+            let mut spoilt = values;
+            spoilt[place] = f32::NAN;
+            assert_eq!(restore(&spoilt), None);
         }
     }
 

@@ -47,6 +47,8 @@ fn fly([flight, control]: [&Path; 2], statics: u64, ledger: &mut Ledger) -> Outc
         "--test",
         "chip_faults",
         "--test",
+        "chip_settings",
+        "--test",
         "chip_upsets",
         "--",
         "--nocapture",

@@ -52,9 +52,9 @@ mod app {
         let (reports, reported) = cx.local.report_queue.split();
         let (received, incoming) = cx.local.receive_queue.split();
         let (outgoing, sending) = cx.local.send_queue.split();
-        let Parts { control, tx, rx, cause, clock_hz } = board::start(cx.device, cx.core);
+        let Parts { control, tx, rx, cause, clock_hz, memory } = board::start(cx.device, cx.core);
         let uart = Uart { tx, rx, received, sending };
-        let link = Link::new(incoming, outgoing, reported, control.sensors(), cause, clock_hz);
+        let link = Link::new(incoming, outgoing, reported, control.sensors(), cause, clock_hz, memory);
         let test = link.test();
         (Shared { test, desk: Desk::default() }, Local { control, reports, uart, link })
     }

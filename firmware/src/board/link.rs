@@ -7,6 +7,7 @@ use firmware::failsafe::Cause;
 use firmware::link::decoder::Decoder;
 use firmware::link::ground::extra_crc;
 use firmware::link::{Action, Ground};
+use firmware::store::{Settings, Store};
 use heapless::String;
 use heapless::spsc::{Consumer, Producer};
 use mavlink::dialects::common::MavSeverity;
@@ -14,6 +15,7 @@ use stm32f4xx_hal::pac::Interrupt;
 
 use super::control::{Desk, Test};
 use super::failsafe;
+use super::flash::Sectors;
 
 /// The ground's side of the board.
 pub struct Link {
@@ -24,6 +26,21 @@ pub struct Link {
     reported: Consumer<'static, Telemetry>,
     cause: Option<Cause>,
     clock_hz: u32,
+    memory: Memory,
+}
+
+/// What outlives the power.
+pub struct Memory {
+    flash: Sectors,
+    store: Store,
+    found: Option<Settings>,
+}
+
+impl Memory {
+    pub fn open(mut flash: Sectors) -> Self {
+        let (store, found) = Store::open(&mut flash);
+        Self { flash, store, found }
+    }
 }
 
 /// Frames on their way to the USART.
@@ -55,13 +72,26 @@ impl Link {
         sensors: bool,
         cause: Option<Cause>,
         clock_hz: u32,
+        memory: Memory,
     ) -> Self {
         let Ok(mut ground) = Ground::new(Config::default()) else {
             failsafe::give_up(Cause::Panic { line: line!() })
         };
         ground.sensors = sensors;
+        if memory.found.is_some_and(|settings| !ground.restore(&settings)) {
+            defmt::warn!("the settings in flash are not legal; the defaults stand");
+        }
         let outgoing = Outgoing { queue, lost: 0 };
-        Self { ground, decoder: Decoder::new(extra_crc), incoming, outgoing, reported, cause, clock_hz }
+        Self {
+            ground,
+            decoder: Decoder::new(extra_crc),
+            incoming,
+            outgoing,
+            reported,
+            cause,
+            clock_hz,
+            memory,
+        }
     }
 
     /// A test as it is configured now, not yet begun.
@@ -120,12 +150,19 @@ impl Link {
 
     /// Sends what the cycles have reported.
     pub fn tell(&mut self, mut taps: impl FnMut() -> [f32; MAX_TAPS]) {
-        let Self { ground, outgoing, reported, .. } = self;
+        let Self { ground, outgoing, reported, memory, .. } = self;
         while let Some(telemetry) = reported.dequeue() {
             if let Some(event) = telemetry.event {
                 defmt::info!("{}", defmt::Display2Format(&event));
             }
             ground.report(&telemetry, &mut taps, &mut |frame| outgoing.send(frame));
+        }
+        if let Some(settings) = ground.take_unsaved() {
+            let Memory { flash, store, .. } = memory;
+            if store.save(flash, &settings).is_err() {
+                let why = "settings not kept: flash full or failing, restart";
+                ground.say(MavSeverity::MAV_SEVERITY_WARNING, why, &mut |frame| outgoing.send(frame));
+            }
         }
     }
 

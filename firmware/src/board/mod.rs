@@ -4,12 +4,14 @@
 //! | --- | --- |
 //! | control cycle | TIM2, 50 Hz |
 //! | link | USART2, PA2 transmit, PA3 receive, 230400 baud |
+//! | settings | the last two sectors of the flash |
 //! | IMU | SPI1, PA5 clock, PA6 from the chip, PA7 to the chip, PA4 select |
 //! | collective servos | TIM4, PB6 front rotor, PB7 rear rotor, 200 Hz |
 
 pub mod clock;
 pub mod control;
 pub mod failsafe;
+pub mod flash;
 pub mod link;
 pub mod uart;
 
@@ -55,6 +57,7 @@ pub struct Parts {
     /// Why the board was reset, if it kept a reason.
     pub cause: Option<Cause>,
     pub clock_hz: u32,
+    pub memory: link::Memory,
 }
 
 /// Brings the board up: servos to neutral first, then the rest.
@@ -90,6 +93,8 @@ pub fn start(device: pac::Peripherals, core: cortex_m::Peripherals) -> Parts {
     let (tx, mut rx) = port.split();
     rx.listen();
 
+    // before the watchdog: making room takes seconds
+    let memory = link::Memory::open(flash::Sectors(device.FLASH));
     let mut timer = device.TIM2.counter_hz(&mut rcc);
     if timer.start(RATE_HZ.Hz()).is_err() {
         failsafe::give_up(Cause::Panic { line: line!() });
@@ -98,7 +103,7 @@ pub fn start(device: pac::Peripherals, core: cortex_m::Peripherals) -> Parts {
     let mut watchdog = IndependentWatchdog::new(device.IWDG);
     watchdog.start(WATCHDOG_MS.millis());
     let control = control::Control::new(timer, watchdog, imu, servos);
-    Parts { control, tx, rx, cause, clock_hz }
+    Parts { control, tx, rx, cause, clock_hz, memory }
 }
 
 fn sensor(spi: Spi<SPI1>, select: Pin<'A', 4, Output>, delay: &mut SysDelay) -> Option<BoardImu> {

@@ -28,6 +28,7 @@ use crate::link::frame::{Header, encode, sign};
 use crate::link::signing::{Gate, Key};
 use crate::link::telemetry::{actuators, attitude, cycle_array, phase_code, taps_arrays, texts};
 use crate::parameters::{self, PARAMETERS, Refusal};
+use crate::store::Settings;
 
 /// System and component of this vehicle.
 pub const SYSTEM: u8 = 1;
@@ -73,6 +74,8 @@ pub struct Ground {
     /// Length of the estimate that is being flown or was flown last.
     taps: usize,
     taps_wanted: bool,
+    /// Ticks until a change is to be kept.
+    unsaved: Option<u32>,
     gate: Option<Gate>,
     sequence: u8,
     text: u16,
@@ -111,10 +114,27 @@ impl Ground {
             clock: HilClock::default(),
             taps: usize::from(config.lms.taps),
             taps_wanted: false,
+            unsaved: None,
             gate: None,
             sequence: 0,
             text: 0,
         })
+    }
+
+    /// Takes up what was kept; false where it is not legal and everything stays as it was.
+    pub fn restore(&mut self, settings: &Settings) -> bool {
+        let Some(config) = parameters::restore(&settings.values) else { return false };
+        let Ok(test) = config.build() else { return false };
+        (self.config, self.test, self.taps) = (config, test, usize::from(config.lms.taps));
+        self.gate = settings.signing.map(|(key, timestamp)| Gate::new(key, timestamp));
+        true
+    }
+
+    /// What is to be kept, a second after the last change.
+    pub fn take_unsaved(&mut self) -> Option<Settings> {
+        self.unsaved.take_if(|ticks| *ticks == 0)?;
+        let values = PARAMETERS.map(|parameter| parameter.value(&self.config));
+        Some(Settings { values, signing: self.gate.as_ref().map(|gate| (*gate.key(), gate.timestamp)) })
     }
 
     /// The test that a start would begin.
@@ -144,6 +164,7 @@ impl Ground {
                 let setup = SETUP_SIGNING_DATA::deser(V2, payload).ok()?;
                 if !self.armed && setup.target_system == SYSTEM {
                     let off = setup.secret_key == [0; 32];
+                    self.unsaved = Some(SECOND);
                     self.gate = (!off).then(|| Gate::new(Key(setup.secret_key), setup.initial_timestamp));
                 }
                 None
@@ -197,7 +218,11 @@ impl Ground {
 
     fn note(&mut self, action: Action) {
         match action {
-            Action::Arm => self.armed = true,
+            // the timestamp of an order that arms is kept, so that it cannot be replayed after the power was off
+            Action::Arm => {
+                self.armed = true;
+                self.unsaved = self.unsaved.or(self.gate.as_ref().map(|_| SECOND));
+            }
             Action::Disarm => (self.armed, self.running) = (false, false),
             Action::Start => (self.running, self.taps) = (true, usize::from(self.config.lms.taps)),
             Action::Hil(on) => (self.hil, self.clock) = (on, HilClock::default()),
@@ -233,6 +258,7 @@ impl Ground {
             match parameters::set(&mut self.config, name, value) {
                 Ok((index, test)) => {
                     self.test = test;
+                    self.unsaved = Some(SECOND);
                     Some(index)
                 }
                 Err(Refusal::Unknown) => None,
@@ -270,6 +296,7 @@ impl Ground {
     ) {
         self.phase = telemetry.phase;
         self.running = telemetry.phase.runs();
+        self.unsaved = self.unsaved.map(|ticks| ticks.saturating_sub(1));
         if self.hil {
             self.send(&actuators(telemetry, self.mode()), out);
         }

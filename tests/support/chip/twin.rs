@@ -16,6 +16,9 @@ use mavlink::dialects::common::{DEBUG_FLOAT_ARRAY_DATA, HIL_SENSOR_DATA, HilSens
 
 use super::Pilot;
 
+/// What the image says when its flash does not keep the settings.
+pub const NOT_KEPT: &str = "settings not kept: flash full or failing, restart";
+
 const GRAVITY: f64 = 9.806_65;
 
 /// The aircraft behind `HIL_SENSOR` and `HIL_ACTUATOR_CONTROLS`.
@@ -122,6 +125,8 @@ pub fn lockstep(pilot: &mut Pilot, twin: &mut Twin, sensor: &HIL_SENSOR_DATA) ->
     let found = loop {
         match pilot.hear() {
             MavMessage::HIL_ACTUATOR_CONTROLS(controls) => said.u_rad = Some(controls.controls[0]),
+            // the emulated flash takes nothing, and the image says so
+            MavMessage::STATUSTEXT(text) if text.text.to_str() == Ok(NOT_KEPT) => {}
             MavMessage::STATUSTEXT(text) => said.texts.push_str(text.text.to_str().expect("text is UTF-8")),
             MavMessage::DEBUG_FLOAT_ARRAY(array) if array.name.to_str() == Ok("taps") => {
                 said.taps.push(array);
