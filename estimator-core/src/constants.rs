@@ -15,8 +15,8 @@ pub const TICKS_PER_S: f32 = 50.0;
 /// FIR length unless another is asked for: 60 taps are 1.2 s, about two time constants Iyy / |∂M/∂q| = 0.63 s of the airframe.
 pub const TAPS: usize = 60;
 
-/// Most taps that the flight image can be told to use. The core's state then stays below 4 KiB.
-pub const MAX_TAPS: usize = 256;
+/// Most taps that the flight image can be told to use: 2.56 s, four time constants. More would not fit its 16 KiB of RAM.
+pub const MAX_TAPS: usize = 128;
 
 /// Dwell ranges [min, max] of the paper's campaigns 1 to 4, s.
 pub const CAMPAIGN_DWELL_S: [[f32; 2]; 4] = [[0.05, 0.1], [0.1, 0.2], [0.2, 0.4], [0.4, 0.8]];

@@ -39,10 +39,12 @@ mod count {
     }
 
     const ROUNDS: u32 = 64;
+    /// Longest estimate that is counted.
+    const MOST: usize = 256;
 
     fn nlms(counter: &mut SYST, taps: u16) {
         let config = LmsConfig { taps, ..LmsConfig::default() };
-        let Ok(lms) = config.build::<MAX_TAPS>() else { return };
+        let Ok(lms) = config.build::<MOST>() else { return };
         let mut state = LmsState::default();
         let mut signal = 1_u32;
         let mut next = || {
@@ -64,7 +66,7 @@ mod count {
 
     /// What is counted: one sample met, one input taken, the call included.
     #[inline(never)]
-    fn update(lms: &NormalizedLms<MAX_TAPS>, state: &mut LmsState<MAX_TAPS>, q: f32, u: f32) {
+    fn update(lms: &NormalizedLms<MOST>, state: &mut LmsState<MOST>, q: f32, u: f32) {
         lms.observe(state, q, true);
         lms.push(state, u);
     }
