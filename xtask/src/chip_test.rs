@@ -2,12 +2,16 @@
 
 use std::env;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use crate::budget::{self, Ledger};
 use crate::image::{self, root};
 use crate::{Outcome, no_panic};
+
+/// The tests that fly an image.
+const TESTS: [&str; 6] =
+    ["chip", "chip_failsafe", "chip_faults", "chip_ground", "chip_settings", "chip_upsets"];
 
 /// Builds, counts, flies, proves; the last line says how much passed.
 pub fn run() -> Outcome {
@@ -28,32 +32,32 @@ pub fn run() -> Outcome {
     Ok(())
 }
 
+fn cargo(arguments: &[&str]) -> Command {
+    let mut cargo = Command::new(env::var("CARGO").unwrap_or_else(|_| "cargo".into()));
+    cargo.current_dir(root()).args(arguments);
+    cargo
+}
+
+/// Builds the command that flies the image from the ground.
+fn command() -> Outcome<PathBuf> {
+    let status = cargo(&["build", "--quiet", "--package", "pitchid"]).status();
+    if !status.is_ok_and(|status| status.success()) {
+        return Err("pitchid does not build".into());
+    }
+    Ok(image::target().join("debug/pitchid"))
+}
+
 /// Runs the tests that fly the image; returns how many passed.
 fn fly([flight, control]: [&Path; 2], statics: u64, ledger: &mut Ledger) -> Outcome<usize> {
-    let mut cargo = Command::new(env::var("CARGO").unwrap_or_else(|_| "cargo".into()));
-    cargo
-        .current_dir(root())
-        .env("PITCHID_FLIGHT_IMAGE", flight)
-        .env("PITCHID_FAULTS_IMAGE", control)
-        .stdout(Stdio::piped());
-    cargo.args([
-        "test",
-        "--package",
-        "pitchid-tests",
-        "--test",
-        "chip",
-        "--test",
-        "chip_failsafe",
-        "--test",
-        "chip_faults",
-        "--test",
-        "chip_settings",
-        "--test",
-        "chip_upsets",
+    let command = command()?;
+    let mut cargo = cargo(&["test", "--package", "pitchid-tests"]);
+    cargo.args(TESTS.iter().flat_map(|test| ["--test", test])).args([
         "--",
         "--nocapture",
         "--test-threads=1",
     ]);
+    cargo.env("PITCHID_FLIGHT_IMAGE", flight).env("PITCHID_FAULTS_IMAGE", control);
+    cargo.env("PITCHID_COMMAND", command).stdout(Stdio::piped());
     let mut child = cargo.spawn().map_err(|error| format!("cargo cannot be run ({error})"))?;
     let mut passed = 0;
     for line in

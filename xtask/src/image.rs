@@ -27,11 +27,15 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(PathBuf::new, Path::to_path_buf)
 }
 
+/// Where cargo builds.
+pub fn target() -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
 /// Builds both images, with `feature` if one is named.
 pub fn build(feature: Option<&str>) -> Outcome<Images> {
-    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from);
     // a directory of its own: two compilers and their features do not share one
-    let target = target.join("chip-image");
+    let target = target().join("chip-image");
     let mut cargo = compiler()?;
     cargo.current_dir(root()).env("CARGO_TARGET_DIR", &target).env("DEFMT_LOG", "info");
     cargo.args(["--target", TARGET, "--profile", "chip", "--package", "firmware", "--bins"]);

@@ -1,6 +1,6 @@
 //! One case: a short test flown in lockstep, with a fault put into it.
 
-use estimator_core::{Command, Config, Phase, Telemetry};
+use estimator_core::{Command, Config, Event, Phase, Telemetry};
 use host_sim::Scenario;
 use mavlink::dialects::common::{HIL_SENSOR_DATA, MavCmd};
 
@@ -75,6 +75,11 @@ pub fn fly_until(
         spoil(tick, last.as_ref(), &mut sensor);
         let (telemetry, said) = lockstep(pilot, &mut twin, &sensor);
         aircraft.advance(said.u_rad.unwrap_or_default(), &telemetry);
+        if let Some(Event::Aborted(fault)) = telemetry.event
+            && !fault.leaves_control()
+        {
+            assert_eq!(telemetry.u_rad, 0.0, "neutral in the very cycle that finds {fault}");
+        }
         last = Some(telemetry);
         if over(&telemetry, &said.texts) {
             return;

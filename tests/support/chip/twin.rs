@@ -52,6 +52,11 @@ impl Simulated {
         (sensor, (input.theta_ref_rad / FULL_STICK_RAD * 1000.0) as i16)
     }
 
+    /// Moves on by one tick under `u_rad`, outside a test.
+    pub fn actuate(&mut self, u_rad: f32) {
+        self.vehicle.actuate(u_rad);
+    }
+
     /// Moves on by one tick under `u_rad`.
     pub fn advance(&mut self, u_rad: f32, telemetry: &Telemetry) {
         self.vehicle.actuate(u_rad);
