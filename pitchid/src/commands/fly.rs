@@ -99,8 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     station.record(log, true);
     station.order(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0)?;
-    let started = station.order(MavCmd::MAV_CMD_USER_1, 1.0);
-    let flown = started.and_then(|()| watch(&mut station, &stop));
+    let flown = start(&mut station, &stop).and_then(|()| watch(&mut station, &stop));
     // whatever happened: the line may be gone, but nothing is left undone that can be done
     let count = parameters.get("LMS_TAPS").map_or(0, |&count| count as usize);
     let taps = flown.is_ok().then(|| fetch_taps(&mut station, count)).transpose()?.flatten();
@@ -141,6 +140,13 @@ fn set_up(station: &mut Station, arguments: &Arguments) -> Result<BTreeMap<Strin
         }
     }
     station.parameters()
+}
+
+fn start(station: &mut Station, stop: &Stop) -> Result<(), Failure> {
+    if stop.wanted() {
+        return Err(Failure::new("interrupted before the start; nothing was flown", "run it again"));
+    }
+    station.order(MavCmd::MAV_CMD_USER_1, 1.0)
 }
 
 /// Watches the test to its end and returns its last cycle.
