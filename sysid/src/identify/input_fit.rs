@@ -123,13 +123,15 @@ fn advance<const N: usize>(columns: &[[f64; N]; N], x: &[f64; N], b: &[f64; N]) 
     next
 }
 
-/// Takes the first `count` unknowns out of the normal equations `s` (lower half).
-fn eliminate(s: &mut DMatrix<f64>, count: usize) {
+/// Takes the first `count` unknowns out of the normal equations `s` (lower half). The column of one that shows nothing
+/// of its own becomes zero.
+pub(super) fn eliminate(s: &mut DMatrix<f64>, count: usize) {
     let size = s.nrows();
     let whole: Vec<f64> = s.diagonal().iter().copied().collect();
     for p in 0..count {
         let pivot = s[(p, p)];
         if pivot <= NOTHING_LEFT * whole[p] {
+            s.view_mut((p, p), (size - p, 1)).fill(0.0);
             continue;
         }
         for j in p + 1..size {

@@ -12,4 +12,5 @@ pub mod kung;
 pub mod levenberg_marquardt;
 pub mod lms;
 mod minimax;
+pub mod output_error;
 pub mod pi_moesp;
