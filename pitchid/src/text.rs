@@ -139,11 +139,57 @@ fn location(content: &Content) -> String {
 /// An identification.
 pub fn identification(found: &Identification) -> String {
     let mut text = methods(found);
-    text.push_str(&heading("Parameters of the grey box (95 % interval)"));
+    text.push_str(&heading("Parameters of the grey box: the free run's errors taken as white, intervals corrected where they are not"));
     text.push_str(&estimates(&found.parameters));
+    if !found.parameters_coloured.is_empty() && found.parameters_coloured != found.parameters {
+        text.push_str(&heading("The same, with the colour of the errors modelled"));
+        text.push_str(&estimates(&found.parameters_coloured));
+    }
+    if let Some(hinf) = &found.hinf {
+        text.push_str(&heading("The same, matched to the PI-MOESP model (bootstrap intervals; mount held)"));
+        text.push_str(&estimates(&hinf.parameters));
+    }
+    text.push_str(&reasons(found));
     let _ =
         write!(text, "\nfitted on {}; held out {}\n", found.training.join(", "), found.held_out.join(", "));
     text + &notes(&found.notes)
+}
+
+/// How the choices were made, and what the data cannot tell.
+fn reasons(found: &Identification) -> String {
+    let mut lines = Vec::new();
+    if let Some(subspace) = &found.subspace {
+        lines.push(format!("PI-MOESP: {}", subspace.reason));
+    }
+    if let Some(delay) = &found.delay {
+        let [low, high] = delay.ci95_s;
+        lines.push(format!(
+            "loop delay by profile likelihood: {:.4} s, 95 %: {low:.4} to {high:.4} s",
+            delay.best_s
+        ));
+    }
+    if let Some(hinf) = &found.hinf {
+        lines.push(format!(
+            "H∞: weighted error {:.4} at {:.2} rad/s (largest on a dense grid {:.4}), weight of order {} at {:.1} rad/s",
+            hinf.norm, hinf.norm_omega_rad_s, hinf.dense_grid, hinf.weight_order, hinf.weight_cutoff_rad_s
+        ));
+    }
+    if let Some(told) = &found.identifiability {
+        lines.push(told.statement.clone());
+    }
+    let left = found.methods.iter().flat_map(|m| m.tests.iter().map(move |(section, tests)| (m, section, tests)));
+    let clean: Vec<String> = left
+        .filter(|(.., tests)| tests.input.independent)
+        .map(|(m, section, _)| format!("{} ({}) on {section}", m.name, m.detail))
+        .collect();
+    if !found.held_out.is_empty() {
+        let none = "none".to_owned();
+        let clean = if clean.is_empty() { none } else { clean.join(", ") };
+        lines.push(format!(
+            "nothing of the input is left in the errors (a test that is wrong once in a hundred) of: {clean}"
+        ));
+    }
+    heading("How sure") + &lines.iter().map(|line| indented(line, "  - ", "    ")).collect::<String>()
 }
 
 /// The methods side by side: VAF on what was held out.
@@ -151,12 +197,16 @@ pub fn methods(found: &Identification) -> String {
     let columns: Vec<String> = found.held_out.iter().map(|label| held_out_title(label, found)).collect();
     let mut header = vec!["method", "", "remark"];
     header.extend(columns.iter().map(String::as_str));
+    let cells = |of: &std::collections::BTreeMap<String, f64>| -> Vec<String> {
+        let vaf = |label: &String| of.get(label).map_or("-".into(), |v| format::percent(*v));
+        found.held_out.iter().map(vaf).collect()
+    };
+    let ceiling = ["ceiling".to_owned(), String::new(), "taps fitted to the section itself".to_owned()];
     let rows = found.methods.iter().map(|method| {
-        let vaf = |label: &String| method.vaf_percent.get(label).map_or("-".into(), |v| format::percent(*v));
-        let mut cells = vec![method.name.clone(), method.detail.clone(), method.remark.clone()];
-        cells.extend(found.held_out.iter().map(vaf));
-        cells
+        let own = [method.name.clone(), method.detail.clone(), method.remark.clone()];
+        own.into_iter().chain(cells(&method.vaf_percent)).collect()
     });
+    let rows = rows.chain([ceiling.into_iter().chain(cells(&found.ceiling_vaf_percent)).collect()]);
     String::from("VAF of the simulated pitch motion on data that nothing was fitted on, %\n")
         + &table(&header, rows, 3)
 }

@@ -15,14 +15,16 @@
 //!
 //! Realisations of noisy taps are often unstable from order 3 on: small singular values are noise, and noise does not
 //! decay. So the order is chosen by the largest gap of the singular values and lowered until the model is
-//! stable, and [`Realisation::reason`] says so. An order that the caller gives is taken as it is, stable or not.
+//! stable, and [`Realisation::reason`] says so; where there are data, [`realise_by_free_run`] chooses by them. An order that the caller gives is taken as it is, stable or not.
 //!
 //! Source: Kung, A new identification and model reduction algorithm via singular value decompositions, 12th Asilomar
 //! Conference, 1978.
 
 use crate::error::{Error, ErrorKind};
-use crate::identify::fir::Fir;
+use crate::identify::fir::{Fir, Piece};
+use crate::identify::linear_model::LinearModel;
 use crate::model::state_space::StateSpace;
+use crate::validate::vaf::vaf;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Highest order that is chosen without being asked for.
@@ -73,6 +75,40 @@ pub fn realise(fir: &Fir, order: Option<usize>) -> Result<Realisation, Error> {
     let stable = model.is_stable();
     let verdict = if stable { "" } else { "; the model is unstable" };
     Ok(Realisation { model, singular_values, stable, reason: format!("{reason}{verdict}") })
+}
+
+/// Realises `fir` with the lowest stable order whose free runs over `pieces` are within half a point of VAF of the best
+/// stable order's.
+///
+/// # Errors
+/// As [`realise`]; no stable order.
+pub fn realise_by_free_run(fir: &Fir, pieces: &[Piece]) -> Result<Realisation, Error> {
+    const AS_GOOD: f64 = 0.5;
+    let (mut scored, mut unstable) = (Vec::new(), Vec::new());
+    for order in 1..=HIGHEST_ORDER {
+        let Ok(found) = realise(fir, Some(order)) else { break };
+        if !found.stable {
+            unstable.push(order.to_string());
+            continue;
+        }
+        let model = LinearModel::Sampled(found.model.clone());
+        let vaf_of = |piece: &Piece| {
+            let run = model.simulate(piece);
+            run.map_or(0.0, |simulated| vaf(&piece.y[piece.rows.clone()], &simulated))
+        };
+        scored.push((pieces.iter().map(vaf_of).sum::<f64>() / pieces.len().max(1) as f64, found));
+    }
+    let best = scored.iter().map(|(vaf, _)| *vaf).fold(f64::NEG_INFINITY, f64::max);
+    let Some((vaf, mut found)) = scored.into_iter().find(|(vaf, _)| *vaf >= best - AS_GOOD) else {
+        // says why there is none
+        return realise(fir, None);
+    };
+    let left_out = if unstable.is_empty() { String::new() } else { format!("; unstable: {}", unstable.join(", ")) };
+    found.reason = format!(
+        "order {}: the lowest within {AS_GOOD} points of the best stable one, {vaf:.1} % where it was fitted{left_out}",
+        found.model.order()
+    );
+    Ok(found)
 }
 
 /// The order with the largest σ_n / σ_n+1, and this ratio.

@@ -9,7 +9,7 @@ const HIGHEST_ORDER: usize = 25;
 const SAMPLES_EACH: usize = 25;
 
 /// Coefficients a_1.. of the autoregression of `sections`; none where the errors are white.
-pub(super) fn autoregression(sections: &[Vec<f64>]) -> Vec<f64> {
+pub(in crate::identify) fn autoregression(sections: &[Vec<f64>]) -> Vec<f64> {
     let count: usize = sections.iter().map(Vec::len).sum();
     let shortest = sections.iter().map(Vec::len).min().unwrap_or(0);
     let highest = HIGHEST_ORDER.min(count / SAMPLES_EACH).min(shortest / 4);

@@ -21,7 +21,7 @@
 //! Source: Ljung, System Identification, 2nd ed., sections 7.4 and 9.4; Jategaonkar, Flight Vehicle System
 //! Identification, 2006, chapter 4.
 
-mod colour;
+pub(in crate::identify) mod colour;
 pub mod delay_profile;
 pub mod identifiability;
 mod intervals;

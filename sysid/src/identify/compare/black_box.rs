@@ -1,0 +1,122 @@
+//! Lines of the methods that know nothing of the vehicle.
+
+use super::MethodResult;
+use super::judging::Work;
+use crate::error::Error;
+use crate::identify::block_hankel::Instruments;
+use crate::identify::cross_validation::{Chosen, cross_validated};
+use crate::identify::fir::{FirOptions, Piece, fit};
+use crate::identify::kung::realise_by_free_run;
+use crate::identify::linear_model::LinearModel;
+use crate::identify::lms::{LmsFit, replay};
+use crate::identify::pi_moesp::Method;
+use crate::recording::InputUnit;
+use estimator_core::convergence::{ConvergenceConfig, Verdict};
+use estimator_core::lms::LmsConfig;
+
+/// Amplitude that the on-board estimator's defaults are made for.
+const USUAL_AMPLITUDE: f64 = 0.015;
+/// A delay must gain this many points of cross-validated VAF against the grey box's to be taken instead.
+const WORTH: f64 = 0.5;
+
+/// The on-board estimator over the training sections, and its realisation.
+pub(super) fn lms_and_kung(work: &Work) -> Vec<MethodResult> {
+    let name = "LMS FIR";
+    let fitted = match on_board_lms(work) {
+        Ok(fitted) => fitted,
+        Err(error) => return vec![work.without_answer(name, &error)],
+    };
+    let verdict = match fitted.convergence.verdict {
+        Verdict::Converged => "converged".to_owned(),
+        other => format!(
+            "{other:?}: {:.1} time constants passed, {:.0} % of the power not predicted",
+            fitted.convergence.settling,
+            100.0 * fitted.convergence.innovation_ratio
+        ),
+    };
+    let detail = format!("{} taps", fitted.fir.taps.len());
+    let realised = match realise_by_free_run(&fitted.fir, &work.training) {
+        Ok(found) => {
+            let detail = format!("order {}", found.model.order());
+            work.line("LMS FIR + Kung", detail, LinearModel::Sampled(found.model), found.reason)
+        }
+        Err(error) => work.without_answer("LMS FIR + Kung", &error),
+    };
+    vec![work.line(name, detail, LinearModel::Impulse(fitted.fir), verdict), realised]
+}
+
+/// The core's estimator; inputs in other units are brought to the size of the excitation that its defaults are made
+/// for, and the taps back.
+fn on_board_lms(work: &Work) -> Result<LmsFit, Error> {
+    let factor = match work.data.input_unit {
+        InputUnit::Rad => 1.0,
+        _ => USUAL_AMPLITUDE / work.data.amplitudes(1.0).u,
+    };
+    let scaled: Vec<Vec<f64>> =
+        work.data.runs.iter().map(|run| run.u.iter().map(|u| u * factor).collect()).collect();
+    let pieces: Vec<Piece<'_>> =
+        work.training.iter().map(|piece| Piece { u: &scaled[piece.run], ..piece.clone() }).collect();
+    let (lms, convergence) = (LmsConfig::default(), ConvergenceConfig::default());
+    let mut fit = if work.taps() == 256 {
+        replay::<256>(&pieces, &lms, &convergence)?
+    } else {
+        replay::<60>(&pieces, &lms, &convergence)?
+    };
+    for tap in &mut fit.fir.taps {
+        *tap *= factor;
+    }
+    Ok(fit)
+}
+
+/// Batch least squares on the same taps as the on-board estimator's.
+pub(super) fn batch_fir(work: &Work) -> MethodResult {
+    let options = FirOptions { taps: work.taps(), first_lag: 1, use_supervised: false };
+    match fit(&work.training, &options) {
+        Ok(found) => {
+            let remark = format!("{} rows", found.rows);
+            work.line("batch FIR", format!("{} taps", options.taps), LinearModel::Impulse(found.fir), remark)
+        }
+        Err(error) => work.without_answer("batch FIR", &error),
+    }
+}
+
+/// A subspace method's line, with the choice that it rests on.
+pub(super) struct Subspace {
+    pub line: MethodResult,
+    pub method: Method,
+    pub chosen: Option<Chosen>,
+}
+
+/// PI-MOESP and PO-MOESP behind the grey box's delay; without any where that predicts clearly better.
+pub(super) fn subspace(work: &Work, delay: f64) -> [Subspace; 2] {
+    let whole = (delay / work.step + 1e-9) as usize;
+    let both = [("PI-MOESP", Instruments::PastInputs), ("PO-MOESP", Instruments::PastInputsAndOutputs)];
+    both.map(|(name, instruments)| {
+        let behind = |delay_samples| {
+            let method = Method { instruments, delay_samples, ..Method::default() };
+            (method, cross_validated(&work.training, 1..=5, 10..=50, &method))
+        };
+        let (mut method, mut chosen) = behind(whole);
+        if whole > 0 {
+            let (other, prompt) = behind(0);
+            let score = |chosen: &Result<Chosen, Error>| chosen.as_ref().map_or(0.0, |c| c.vaf_percent);
+            if score(&prompt) > score(&chosen) + WORTH {
+                (method, chosen) = (other, prompt);
+            }
+        }
+        match chosen {
+            Ok(chosen) => {
+                let detail = format!("n = {}, i = {}", chosen.order, chosen.block_size);
+                let model = LinearModel::Sampled(chosen.model.clone());
+                Subspace { line: work.line(name, detail, model, remark(&chosen)), method, chosen: Some(chosen) }
+            }
+            Err(error) => Subspace { line: work.without_answer(name, &error), method, chosen: None },
+        }
+    })
+}
+
+fn remark(chosen: &Chosen) -> String {
+    let usable = chosen.table.iter().filter(|cell| cell.vaf_percent.is_some()).count();
+    let flat = if chosen.reason.ends_with("flat.") { "flat" } else { "clear" };
+    format!("stable; {flat} choice among {usable} of {} models", chosen.table.len())
+}

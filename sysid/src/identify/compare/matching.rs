@@ -1,0 +1,139 @@
+//! The line of the H∞ match, with its certificate and its intervals.
+
+use super::black_box::Subspace;
+use super::judging::Work;
+use super::{MethodResult, Settings, with_input_unit};
+use crate::error::{Error, ErrorKind};
+use crate::estimate::Estimate;
+use crate::identify::bootstrap::{Recipe, Replicates, bootstrap};
+use crate::identify::butterworth::Butterworth;
+use crate::identify::hinf_match::{HinfMatch, grey_box_response, hinf_match};
+use crate::identify::linear_model::LinearModel;
+use crate::identify::output_error::Options;
+use crate::identify::pi_moesp::identify;
+use crate::model::grey_box::Plant;
+use crate::model::state_space::StateSpace;
+use crate::validate::vaf::vaf;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// What the match is worth.
+#[derive(Clone, Debug, Serialize)]
+pub struct HinfReport {
+    /// n and i of the PI-MOESP model that was matched.
+    pub matched_to: [usize; 2],
+    /// Order and cutoff (rad/s) of the weight.
+    pub weight_order: usize,
+    /// See `weight_order`.
+    pub weight_cutoff_rad_s: f64,
+    /// ∂M/∂q and ∂M/∂u with 95 % intervals; the mount is held.
+    pub parameters: Vec<Estimate>,
+    /// Norm of the weighted error, rad/s per unit of the input, exact to its relative tolerance.
+    pub norm: f64,
+    /// Where it is attained, rad/s.
+    pub norm_omega_rad_s: f64,
+    /// The largest weighted error over a dense grid.
+    pub dense_grid: f64,
+    /// The norm relative to that of the weighted PI-MOESP model.
+    pub relative: f64,
+    /// Frequencies that hold the optimum, rad/s.
+    pub active_rad_s: Vec<f64>,
+    /// By held-out section, VAF between both models' responses to its input from rest, per cent.
+    pub agreement_percent: BTreeMap<String, f64>,
+    /// Records of the bootstrap that gave an answer, of those tried.
+    pub replicates: [usize; 2],
+    /// ω (rad/s) and the 95 % interval of the PI-MOESP model's gain.
+    pub gain_band: Vec<[f64; 3]>,
+}
+
+/// Matches the grey box to the PI-MOESP model.
+pub(super) fn matched(
+    work: &Work,
+    pi: &Subspace,
+    start: &Plant,
+    weight: &Butterworth,
+    settings: &Settings,
+) -> (MethodResult, Option<HinfReport>) {
+    let name = "H∞ match";
+    match try_match(work, pi, start, weight, settings) {
+        Ok((found, report)) => {
+            let [n, i] = report.matched_to;
+            let detail = format!("to n = {n}, i = {i}");
+            let remark = format!(
+                "weighted error {:.1} % of the response, at {:.2} rad/s; {} of {} starts agree",
+                100.0 * found.relative,
+                found.norm.omega,
+                found.agreeing_starts[0],
+                found.agreeing_starts[1],
+            );
+            let options = Options { held_input: work.held_input, ..Options::default() };
+            (work.line(name, detail, LinearModel::GreyBox(found.plant, options), remark), Some(report))
+        }
+        Err(error) => (work.without_answer(name, &error), None),
+    }
+}
+
+fn try_match(
+    work: &Work,
+    pi: &Subspace,
+    start: &Plant,
+    weight: &Butterworth,
+    settings: &Settings,
+) -> Result<(HinfMatch, HinfReport), Error> {
+    let none = |what| Error::new(ErrorKind::Numerical, what, "give longer sections");
+    let chosen = pi.chosen.as_ref().ok_or_else(|| none("there is no PI-MOESP model to match"))?;
+    let (target, order, block_size) =
+        chosen.continuous.as_ref().ok_or_else(|| none("no PI-MOESP model has a continuous-time equivalent"))?;
+    let found = hinf_match(target, start, weight, None)?;
+    let model = identify(&work.training, *order, *block_size, &pi.method)?.model;
+    let omegas: Vec<f64> = work.response().iter().map(|line| line.omega_rad_s).collect();
+    let recipe = Recipe {
+        pieces: &work.training,
+        model: &model,
+        block_size: *block_size,
+        method: pi.method,
+        matched: Some((*start, *weight)),
+        omegas: &omegas,
+    };
+    let all = if settings.replicates > 0 {
+        bootstrap(&recipe, settings.replicates, settings.seed)?
+    } else {
+        Replicates::default()
+    };
+    let grey = grey_box_response(&found.plant)?.sampled(work.step)?;
+    let agreement = |(place, piece): &(&crate::dataset::Place, crate::identify::fir::Piece)| {
+        let u = &piece.u[piece.rows.clone()];
+        Some((place.label.clone(), vaf(&prompt(&model)?.simulate(u, None), &grey.simulate(u, None))))
+    };
+    let unit = work.data.input_unit;
+    let estimate = |name: &str, unit: &str, value: f64, ci95| Estimate { name: name.into(), unit: unit.into(), value, ci95 };
+    let parameters = vec![
+        estimate("dM_dq", "N m s/rad", found.plant.dm_dq, all.interval(|p| p.dm_dq)),
+        estimate("dM_du", "N m/rad", found.plant.dm_du, all.interval(|p| p.dm_du)),
+    ];
+    let report = HinfReport {
+        matched_to: [*order, *block_size],
+        weight_order: weight.order,
+        weight_cutoff_rad_s: weight.cutoff,
+        parameters: with_input_unit(parameters, unit),
+        norm: found.norm.value,
+        norm_omega_rad_s: found.norm.omega,
+        dense_grid: found.dense_grid,
+        relative: found.relative,
+        active_rad_s: found.active.clone(),
+        agreement_percent: work.held_out.iter().filter_map(agreement).collect(),
+        replicates: [all.plants.len(), settings.replicates],
+        gain_band: if all.responses.is_empty() {
+            Vec::new()
+        } else {
+            omegas.iter().enumerate().map(|(k, omega)| [*omega, all.gain_interval(k)[0], all.gain_interval(k)[1]]).collect()
+        },
+    };
+    Ok((found, report))
+}
+
+/// The model without its delay: both models have the same.
+fn prompt(model: &StateSpace) -> Option<StateSpace> {
+    let (a, b, c) = (model.a().clone(), model.b().clone(), model.c().clone());
+    StateSpace::new(a, b, c, model.d(), model.step(), 0).ok()
+}

@@ -1,0 +1,210 @@
+//! All methods on the same data, side by side: each learns from the training sections, each chooses what it has to
+//! choose there, and all are judged by their free runs over sections that took no part.
+//!
+//! | method | file |
+//! | --- | --- |
+//! | LMS taps as they would come from the autopilot, and their realisation | `black_box` |
+//! | batch least-squares FIR | `black_box` |
+//! | PI-MOESP, PO-MOESP | `black_box` |
+//! | grey box by output-error maximum likelihood, white and coloured errors | `grey_box` |
+//! | grey box matched to the PI-MOESP model in the H∞ norm | `matching` |
+
+mod black_box;
+mod grey_box;
+mod judging;
+mod matching;
+
+pub use matching::HinfReport;
+
+use super::butterworth::Butterworth;
+use super::cross_validation::Cell;
+use super::linear_model::LinearModel;
+use super::output_error::delay_profile::DelayProfile;
+use super::output_error::identifiability::Identifiability;
+use crate::dataset::Dataset;
+use crate::diagnosis::baseline::Baseline;
+use crate::diagnosis::held_out::Split;
+use crate::diagnosis::judge::labels;
+use crate::error::Error;
+use crate::estimate::Estimate;
+use crate::model::file::ModelFile;
+use crate::recording::{InputUnit, Recording};
+use crate::validate::coherence::Line;
+use crate::validate::cross_correlation::CrossCorrelation;
+use crate::validate::whiteness::Whiteness;
+use judging::Work;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// What the methods found, and how each simulates the sections it was fitted on and those it was not.
+#[derive(Clone, Debug, Serialize)]
+pub struct Identification {
+    /// One line for each method.
+    pub methods: Vec<MethodResult>,
+    /// By held-out section, what an impulse response fitted to that very section reaches: no linear model of its length
+    /// can do better there.
+    pub ceiling_vaf_percent: BTreeMap<String, f64>,
+    /// The grey box's parameters (output error), with 95 % intervals.
+    pub parameters: Vec<Estimate>,
+    /// The same with the errors' colour modelled.
+    pub parameters_coloured: Vec<Estimate>,
+    /// Correlation of the estimates of `parameters`, row by row in their order.
+    pub correlation: Vec<Vec<f64>>,
+    /// What the data cannot tell; only with a mount.
+    pub identifiability: Option<Identifiability>,
+    /// The loop delay by profile likelihood.
+    pub delay: Option<DelayProfile>,
+    /// Order and block size of PI-MOESP: every cell, and the choice in words.
+    pub subspace: Option<SubspaceChoice>,
+    /// The H∞ match: certificate and intervals.
+    pub hinf: Option<HinfReport>,
+    /// Response and coherence of the training sections without a model.
+    pub response: Vec<Line>,
+    /// Sections that were fitted on.
+    pub training: Vec<String>,
+    /// Sections kept aside: an unused PRBS and the closed loop, as far as there are any.
+    pub held_out: Vec<String>,
+    /// What was noticed about the recordings.
+    pub notes: Vec<String>,
+    /// The grey box as a model file, with its intervals.
+    #[serde(skip)]
+    pub model: ModelFile,
+}
+
+/// One method's line.
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodResult {
+    /// Method.
+    pub name: String,
+    /// Order, number of taps, or what else was chosen.
+    pub detail: String,
+    /// Free-run VAF by section, per cent.
+    pub vaf_percent: BTreeMap<String, f64>,
+    /// What the user should know: converged or not, stable or not.
+    pub remark: String,
+    /// Residual tests by held-out section.
+    pub tests: BTreeMap<String, ResidualTests>,
+    /// Free runs over the held-out sections.
+    #[serde(skip)]
+    pub simulated: BTreeMap<String, Vec<f64>>,
+    /// The model, where it is linear.
+    #[serde(skip)]
+    pub model: Option<LinearModel>,
+}
+
+/// What the errors of a free run say.
+#[derive(Clone, Debug, Serialize)]
+pub struct ResidualTests {
+    /// Of the errors with themselves.
+    pub whiteness: Whiteness,
+    /// Of the errors with the input.
+    pub input: CrossCorrelation,
+}
+
+/// How PI-MOESP's order and block size were chosen.
+#[derive(Clone, Debug, Serialize)]
+pub struct SubspaceChoice {
+    /// Every order and block size.
+    pub cells: Vec<Cell>,
+    /// In words.
+    pub reason: String,
+}
+
+/// What can be set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// The weight of the H∞ match; without one, order 15 at the cutoff that suits the data.
+    pub weight: Option<Butterworth>,
+    /// Records of the bootstrap that gives the H∞ match its intervals; 0 for none.
+    pub replicates: usize,
+    /// Seed of the bootstrap.
+    pub seed: u64,
+    /// Whether to profile the delay and to say what the data cannot tell.
+    pub thorough: bool,
+}
+
+impl Default for Settings {
+    /// 100 records, everything that can be said.
+    fn default() -> Self {
+        Self { weight: None, replicates: 100, seed: 1, thorough: true }
+    }
+}
+
+/// Identifies the pitch dynamics from recordings of one vehicle, starting from `model` where the user has one.
+/// `progress` is told what is being done.
+///
+/// # Errors
+/// Recordings that do not go together, or on which the grey box has no finite free run.
+pub fn identify(
+    recordings: &[Recording],
+    model: Option<&ModelFile>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Identification, Error> {
+    let data = Dataset::new(recordings)?;
+    let baseline = match model {
+        Some(model) => Baseline::from_model(model, &data)?,
+        None => Baseline::from_data(&data),
+    };
+    let split = Split::for_validation(&data);
+    let mut found = identify_on(&data, &split, &baseline, &Settings::default(), progress)?;
+    found.notes = data.notes(recordings);
+    Ok(found)
+}
+
+/// The same with the sections chosen by the caller.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_on(
+    data: &Dataset,
+    split: &Split,
+    baseline: &Baseline,
+    settings: &Settings,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Identification, Error> {
+    let work = Work::new(data, split)?;
+    progress("fitting the grey box");
+    let grey = grey_box::fit_all(&work, baseline, settings.thorough)?;
+    let mut methods = Vec::new();
+    progress("replaying the on-board LMS");
+    if data.has_rate {
+        methods.extend(black_box::lms_and_kung(&work));
+    }
+    methods.push(black_box::batch_fir(&work));
+    progress("choosing subspace models by cross-validation");
+    let [pi, po] = black_box::subspace(&work, grey.plant.delay);
+    methods.extend([pi.line.clone(), po.line]);
+    methods.extend(grey.lines);
+    let mut hinf = None;
+    if data.has_rate {
+        progress("matching the grey box in the H∞ norm");
+        let weight = settings.weight.unwrap_or_else(|| work.weight());
+        let (line, report) = matching::matched(&work, &pi, &grey.plant, &weight, settings);
+        methods.push(line);
+        hinf = report;
+    }
+    Ok(Identification {
+        methods,
+        ceiling_vaf_percent: work.ceilings(),
+        parameters: grey.parameters,
+        parameters_coloured: grey.parameters_coloured,
+        correlation: grey.correlation,
+        identifiability: grey.identifiability,
+        delay: grey.delay,
+        subspace: pi.chosen.map(|chosen| SubspaceChoice { cells: chosen.table, reason: chosen.reason }),
+        hinf,
+        response: work.response(),
+        training: labels(&split.training),
+        held_out: labels(&split.held_out),
+        notes: Vec::new(),
+        model: grey.model,
+    })
+}
+
+/// The estimates with the unit of the input that the recordings have.
+fn with_input_unit(mut estimates: Vec<Estimate>, unit: InputUnit) -> Vec<Estimate> {
+    for estimate in estimates.iter_mut().filter(|e| e.name == "dM_du") {
+        estimate.unit = format!("N m/{}", unit.symbol());
+    }
+    estimates
+}

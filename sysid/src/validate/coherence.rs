@@ -1,0 +1,150 @@
+//! Response and coherence from input to output, without a model: averaged over overlapping segments (Welch).
+//!
+//! ```text
+//! Ĝ = S_uy / S_uu,    γ² = |S_uy|² / (S_uu S_yy),    σ(ln|Ĝ|) = σ(arg Ĝ) = √((1 − γ²)/(2 K γ²))
+//! ```
+//!
+//! K: segments, less what their overlap of a half under Hann's window costs (5 %). 1 − γ² is the share of the output at
+//! that frequency that no linear model of the input explains. In closed loop Ĝ is biased towards the inverse of the
+//! controller.
+//!
+//! Source: Bendat, Piersol, Random Data, 4th ed., section 9.2; Welch, IEEE Transactions on Audio 15, 1967.
+
+use nalgebra::Complex;
+use serde::Serialize;
+use std::f64::consts::{PI, TAU};
+
+/// Length of a segment, s, and least number of them.
+const SEGMENT_S: f64 = 8.0;
+const LEAST_SEGMENTS: usize = 4;
+/// Frequencies at most.
+const LINES: usize = 48;
+/// Share of the segments that overlapping leaves independent.
+const OVERLAP: f64 = 0.947;
+
+/// The estimate at one frequency.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// ω, rad/s.
+    pub omega_rad_s: f64,
+    /// |Ĝ|, output per unit of the input.
+    pub gain: f64,
+    /// arg Ĝ, rad.
+    pub phase_rad: f64,
+    /// γ².
+    pub coherence: f64,
+    /// σ of ln|Ĝ| and of the phase.
+    pub deviation: f64,
+    /// S_yy over all lines, normalised to a sum of 1: where the motion is.
+    pub output_share: f64,
+}
+
+/// The estimate over `sections` of input and output, sampled every `step` s; empty where they are too short.
+#[must_use]
+pub fn coherence(sections: &[[&[f64]; 2]], step: f64) -> Vec<Line> {
+    let longest = sections.iter().map(|[u, y]| u.len().min(y.len())).max().unwrap_or(0);
+    let length = ((SEGMENT_S / step) as usize).min(2 * longest / (LEAST_SEGMENTS + 1));
+    if length < 16 {
+        return Vec::new();
+    }
+    let window: Vec<f64> = (0..length).map(|k| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / length as f64).cos()).collect();
+    let bins = bins(length);
+    let mut sums = vec![(0.0, 0.0, Complex::from(0.0)); bins.len()];
+    let mut segments = 0;
+    for [u, y] in sections {
+        let count = u.len().min(y.len());
+        let mut from = 0;
+        while from + length <= count {
+            for (bin, sum) in bins.iter().zip(&mut sums) {
+                let [a, b] = [&u[from..from + length], &y[from..from + length]]
+                    .map(|x| line_of(x, &window, TAU * *bin as f64 / length as f64));
+                sum.0 += a.norm_sqr();
+                sum.1 += b.norm_sqr();
+                sum.2 += b * a.conj();
+            }
+            segments += 1;
+            from += length / 2;
+        }
+    }
+    let k = (OVERLAP * segments as f64).max(1.0);
+    let whole: f64 = sums.iter().map(|s| s.1).sum::<f64>().max(f64::MIN_POSITIVE);
+    bins.iter()
+        .zip(&sums)
+        .filter(|(_, (uu, yy, _))| *uu > 0.0 && *yy > 0.0)
+        .map(|(bin, (uu, yy, uy))| {
+            let response = uy / *uu;
+            let coherence = (uy.norm_sqr() / (uu * yy)).min(1.0);
+            Line {
+                omega_rad_s: TAU * *bin as f64 / (length as f64 * step),
+                gain: response.norm(),
+                phase_rad: response.arg(),
+                coherence,
+                deviation: ((1.0 - coherence) / (2.0 * k * coherence.max(1e-12))).sqrt(),
+                output_share: yy / whole,
+            }
+        })
+        .collect()
+}
+
+/// Bins from 1 to half the sampling rate, thinned on the logarithm.
+fn bins(length: usize) -> Vec<usize> {
+    let last = (length / 2 - 1) as f64;
+    let mut bins: Vec<usize> =
+        (0..LINES).map(|k| last.powf(k as f64 / (LINES - 1) as f64).round() as usize).collect();
+    bins.dedup();
+    bins
+}
+
+/// The windowed segment about its mean at `angle` rad per sample.
+fn line_of(x: &[f64], window: &[f64], angle: f64) -> Complex<f64> {
+    debug_assert!(angle <= PI);
+    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    let rotation = Complex::cis(-angle);
+    let mut turn = Complex::from(1.0);
+    let mut sum = Complex::from(0.0);
+    for (x, w) in x.iter().zip(window) {
+        sum += turn * ((x - mean) * w);
+        turn *= rotation;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn a_known_filter_is_found_within_its_deviations() {
+        let mut generator = rand_pcg::Pcg64::seed_from_u64(3);
+        let mut noise = || (0..12).map(|_| generator.random::<f64>()).sum::<f64>() - 6.0;
+        let u: Vec<f64> = (0..20_000).map(|_| noise()).collect();
+        let (mut state, mut y) = (0.0, Vec::new());
+        for u in &u {
+            y.push(state + 0.5 * noise());
+            state = 0.9 * state + 0.2 * u;
+        }
+        let lines = coherence(&[[&u[..9000], &y[..9000]], [&u[9000..], &y[9000..]]], 0.02);
+        assert!(lines.len() > 30);
+        let z: Vec<f64> = lines
+            .iter()
+            .map(|line| {
+                let z = Complex::cis(line.omega_rad_s * 0.02);
+                let truth = Complex::from(0.2) / (z - 0.9);
+                let share = truth.norm_sqr() / (truth.norm_sqr() + 0.25);
+                assert!((line.coherence - share).abs() < 0.2, "{line:?} {share}");
+                (line.gain / truth.norm()).ln() / line.deviation
+            })
+            .collect();
+        let spread = (z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64).sqrt();
+        assert!((0.6..1.5).contains(&spread), "{spread}");
+        assert!((lines.iter().map(|l| l.output_share).sum::<f64>() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn too_little_gives_nothing() {
+        assert!(coherence(&[[&[0.0; 20], &[0.0; 20]]], 0.02).is_empty());
+        assert!(coherence(&[], 0.02).is_empty());
+        assert!(coherence(&[[&[0.0; 2000], &[0.0; 2000]]], 0.02).is_empty());
+    }
+}
