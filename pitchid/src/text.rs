@@ -201,7 +201,7 @@ pub fn methods(found: &Identification) -> String {
         let vaf = |label: &String| of.get(label).map_or("-".into(), |v| format::percent(*v));
         found.held_out.iter().map(vaf).collect()
     };
-    let ceiling = ["ceiling".to_owned(), String::new(), "taps fitted to the section itself".to_owned()];
+    let ceiling = ["ceiling".to_owned(), String::new(), "unstructured, fitted to the section itself".to_owned()];
     let rows = found.methods.iter().map(|method| {
         let own = [method.name.clone(), method.detail.clone(), method.remark.clone()];
         own.into_iter().chain(cells(&method.vaf_percent)).collect()

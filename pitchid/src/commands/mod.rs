@@ -8,6 +8,7 @@ mod prove;
 mod line;
 mod reading;
 mod record;
+mod reproduce;
 mod simulate;
 
 use crate::failure::Failure;
@@ -27,6 +28,7 @@ Examples:
   pitchid demo                                        see it all at work, without data of your own
   pitchid diagnose flight.csv --model sim.toml --report flight.html
   pitchid identify test1.csv test2.csv --out-model fitted.toml
+  pitchid reproduce paper --seeds 20
   pitchid simulate --effect coulomb_friction:Mc=0.1 --out friction.csv
   pitchid prove                                       conceal, seal, diagnose, count: how often it is right
   pitchid fly /dev/ttyUSB0 --campaign 4 --out flight.csv
@@ -43,6 +45,7 @@ enum Command {
     Identify(identify::Arguments),
     Prove(prove::Arguments),
     Record(record::Arguments),
+    Reproduce(reproduce::Arguments),
     Simulate(simulate::Arguments),
 }
 
@@ -58,6 +61,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Prove(arguments) => prove::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
+        Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
     }
 }

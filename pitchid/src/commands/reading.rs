@@ -69,3 +69,8 @@ impl Reading {
         self.recordings.iter().chain(&self.model).map(PathBuf::as_path).collect()
     }
 }
+
+/// Reads one recording that needs no options.
+pub fn read_plain(path: &Path) -> Result<Recording, Failure> {
+    Ok(read(path, &ReadOptions::default())?)
+}

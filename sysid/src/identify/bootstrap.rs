@@ -51,20 +51,21 @@ pub struct Replicates {
 }
 
 impl Replicates {
-    /// The middle 95 % of `value` over the matched grey boxes; everything where fewer than forty are left.
+    /// The middle 95 % of `value` over the matched grey boxes, moved so that their median lies on that of `found`;
+    /// everything where fewer than forty are left.
     #[must_use]
-    pub fn interval(&self, value: impl Fn(&Plant) -> f64) -> [f64; 2] {
-        middle(self.plants.iter().map(value).collect())
+    pub fn interval(&self, found: &Plant, value: impl Fn(&Plant) -> f64) -> [f64; 2] {
+        middle(self.plants.iter().map(&value).collect(), value(found))
     }
 
-    /// The middle 95 % of the gain at the `k`th frequency.
+    /// The same for the gain at the `k`th frequency, about `gain`.
     #[must_use]
-    pub fn gain_interval(&self, k: usize) -> [f64; 2] {
-        middle(self.responses.iter().map(|r| r[k].norm()).collect())
+    pub fn gain_interval(&self, gain: f64, k: usize) -> [f64; 2] {
+        middle(self.responses.iter().map(|r| r[k].norm()).collect(), gain)
     }
 }
 
-fn middle(mut values: Vec<f64>) -> [f64; 2] {
+fn middle(mut values: Vec<f64>, found: f64) -> [f64; 2] {
     const ENOUGH: usize = 40;
     if values.len() < ENOUGH {
         return [f64::NEG_INFINITY, f64::INFINITY];
@@ -75,7 +76,7 @@ fn middle(mut values: Vec<f64>) -> [f64; 2] {
         let (low, rest) = (place.floor() as usize, place.fract());
         values[low] + rest * (values[(low + 1).min(values.len() - 1)] - values[low])
     };
-    [at(0.025), at(0.975)]
+    [0.025, 0.975].map(|share| found + at(share) - at(0.5))
 }
 
 /// Repeats `recipe` `count` times with noise from `seed`; the same answer on any number of cores.

@@ -115,8 +115,8 @@ impl SampledPlant {
     pub fn slope(&self, parameter: Parameter) -> Coefficients {
         match parameter {
             Parameter::DmDu => {
-                let own = self.coefficients();
-                Coefficients { transition: Matrix4::zeros(), input: own.input.map(|g| g / self.plant.dm_du) }
+                let unit = Self::new(&Plant { dm_du: 1.0, ..self.plant }, self.step, self.held).coefficients();
+                Coefficients { transition: Matrix4::zeros(), ..unit }
             }
             Parameter::Delay => self.slope_to_delay(),
             _ => self.slope_to_matrix(&self.matrix_slope(parameter)),

@@ -102,12 +102,19 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The ceiling of each held-out section that is long enough for one.
-    pub fn ceilings(&self) -> BTreeMap<String, f64> {
+    /// By held-out section, the best of taps fitted to it alone, and of each method with taps on what it leaves over.
+    pub fn ceilings(&self, methods: &[MethodResult]) -> BTreeMap<String, f64> {
         let ceiling = |(place, piece): &(&Place, Piece)| {
-            let rows = piece.rows.clone();
-            let found = ceiling_vaf(&piece.u[rows.clone()], &piece.y[rows], self.taps()).ok()?;
-            Some((place.label.clone(), found))
+            let (u, y) = (&piece.u[piece.rows.clone()], &piece.y[piece.rows.clone()]);
+            let taps = self.taps().min(y.len() / 10).max(1);
+            let alone = ceiling_vaf(u, y, taps).ok();
+            let beyond = methods.iter().filter_map(|method| {
+                let simulated = method.simulated.get(&place.label)?;
+                let left: Vec<f64> = y.iter().zip(simulated).map(|(y, s)| y - s).collect();
+                let explained = ceiling_vaf(u, &left, taps).unwrap_or(0.0);
+                Some(100.0 - (100.0 - vaf(y, simulated)) * (100.0 - explained) / 100.0)
+            });
+            Some((place.label.clone(), alone.into_iter().chain(beyond).reduce(f64::max)?))
         };
         self.held_out.iter().filter_map(ceiling).collect()
     }

@@ -17,6 +17,9 @@ use crate::validate::vaf::vaf;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// A weighted error above this share of the response is no match.
+const UNLIKE: f64 = 0.3;
+
 /// What the match is worth.
 #[derive(Clone, Debug, Serialize)]
 pub struct HinfReport {
@@ -59,8 +62,9 @@ pub(super) fn matched(
         Ok((found, report)) => {
             let [n, i] = report.matched_to;
             let detail = format!("to n = {n}, i = {i}");
+            let unlike = if found.relative > UNLIKE { "; no grey box resembles the PI-MOESP model" } else { "" };
             let remark = format!(
-                "weighted error {:.1} % of the response, at {:.2} rad/s; {} of {} starts agree",
+                "weighted error {:.1} % of the response, at {:.2} rad/s; {} of {} starts agree{unlike}",
                 100.0 * found.relative,
                 found.norm.omega,
                 found.agreeing_starts[0],
@@ -108,9 +112,14 @@ fn try_match(
     let unit = work.data.input_unit;
     let estimate = |name: &str, unit: &str, value: f64, ci95| Estimate { name: name.into(), unit: unit.into(), value, ci95 };
     let parameters = vec![
-        estimate("dM_dq", "N m s/rad", found.plant.dm_dq, all.interval(|p| p.dm_dq)),
-        estimate("dM_du", "N m/rad", found.plant.dm_du, all.interval(|p| p.dm_du)),
+        estimate("dM_dq", "N m s/rad", found.plant.dm_dq, all.interval(&found.plant, |p| p.dm_dq)),
+        estimate("dM_du", "N m/rad", found.plant.dm_du, all.interval(&found.plant, |p| p.dm_du)),
     ];
+    let band = |(k, omega): (usize, &f64)| {
+        let [low, high] = all.gain_interval(model.frequency_response(*omega)?.norm(), k);
+        Some([*omega, low.max(0.0), high]).filter(|_| high.is_finite())
+    };
+    let gain_band = omegas.iter().enumerate().filter_map(band).collect();
     let report = HinfReport {
         matched_to: [*order, *block_size],
         weight_order: weight.order,
@@ -123,11 +132,7 @@ fn try_match(
         active_rad_s: found.active.clone(),
         agreement_percent: work.held_out.iter().filter_map(agreement).collect(),
         replicates: [all.plants.len(), settings.replicates],
-        gain_band: if all.responses.is_empty() {
-            Vec::new()
-        } else {
-            omegas.iter().enumerate().map(|(k, omega)| [*omega, all.gain_interval(k)[0], all.gain_interval(k)[1]]).collect()
-        },
+        gain_band,
     };
     Ok((found, report))
 }

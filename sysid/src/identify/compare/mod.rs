@@ -41,8 +41,8 @@ use std::collections::BTreeMap;
 pub struct Identification {
     /// One line for each method.
     pub methods: Vec<MethodResult>,
-    /// By held-out section, what an impulse response fitted to that very section reaches: no linear model of its length
-    /// can do better there.
+    /// By held-out section, what an unstructured model reaches that was fitted to that very section: taps alone, or taps
+    /// on what one of the methods leaves over.
     pub ceiling_vaf_percent: BTreeMap<String, f64>,
     /// The grey box's parameters (output error), with 95 % intervals.
     pub parameters: Vec<Estimate>,
@@ -184,8 +184,8 @@ pub fn identify_on(
         hinf = report;
     }
     Ok(Identification {
+        ceiling_vaf_percent: work.ceilings(&methods),
         methods,
-        ceiling_vaf_percent: work.ceilings(),
         parameters: grey.parameters,
         parameters_coloured: grey.parameters_coloured,
         correlation: grey.correlation,

@@ -15,7 +15,7 @@
 //! Rows where the supervisor acted end a section and are left out: its feedback correlates the input with the
 //! disturbance. The derivatives are exact. The colour is taken from the errors of the white fit, and again after.
 //!
-//! Several starts differ in the delay, and in the mount's mode; the best end counts, and [`OutputErrorFit::agreeing_starts`] tells how many
+//! Several starts differ in the damping, the delay, and the mount's mode; the best end counts, and [`OutputErrorFit::agreeing_starts`] tells how many
 //! reached it. What the data cannot tell is in [`identifiability`].
 //!
 //! Source: Ljung, System Identification, 2nd ed., sections 7.4 and 9.4; Jategaonkar, Flight Vehicle System
@@ -35,7 +35,7 @@ use crate::estimate::Estimate;
 use crate::model::grey_box::Plant;
 use crate::model::sampled::Parameter;
 use core::f64::consts::TAU;
-use intervals::covariances;
+use intervals::{Covariances, covariances};
 use nalgebra::{DMatrix, DVector, Vector4};
 use rows::Section;
 use search::{At, Coordinate, Problem};
@@ -223,6 +223,7 @@ fn starts(problem: &Problem, first: &[f64]) -> Vec<Vec<f64>> {
     let mut all = vec![first.to_vec()];
     for (i, c) in problem.coordinates.iter().enumerate() {
         let others: &[f64] = match c.parameter {
+            Parameter::DmDq => &[-0.3, -3.0, -20.0],
             Parameter::Delay => &[0.0, 0.04, 0.1],
             Parameter::MountMode => &[0.1, 0.9],
             _ => &[],
@@ -231,6 +232,7 @@ fn starts(problem: &Problem, first: &[f64]) -> Vec<Vec<f64>> {
             let mut theta = first.to_vec();
             theta[i] = match c.parameter {
                 Parameter::Delay => *other,
+                Parameter::DmDq => other * problem.start.inertia,
                 _ => c.bounds[0] + other * (c.bounds[1] - c.bounds[0]),
             };
             all.push(theta);
@@ -262,10 +264,16 @@ fn report(
 ) -> Result<OutputErrorFit, Error> {
     let on_bound = |i: &usize| problem.on_bound(&at.theta, *i);
     let free: Vec<usize> = (0..at.theta.len()).filter(|i| !on_bound(i)).collect();
-    let covariances = covariances(problem, at, &free, &autoregression).ok_or_else(|| {
+    if (0..at.theta.len()).any(|i| at.hessian[(i, i)] <= 0.0) {
         let found = "the input does not show all parameters of the grey box";
-        Error::new(ErrorKind::Numerical, found, "use sections in which the input switches, or hold the mount")
-    })?;
+        let advice = "use sections in which the input switches, or hold the mount";
+        return Err(Error::new(ErrorKind::Numerical, found, advice));
+    }
+    // parameters that only show together have no interval of their own
+    let covariances = covariances(problem, at, &free, &autoregression).unwrap_or_else(|| {
+        let unknown = DMatrix::from_diagonal_element(free.len(), free.len(), f64::INFINITY);
+        Covariances { bound: unknown.clone(), used: unknown, corrected: false }
+    });
     let own = |m: &DMatrix<f64>, i: usize| {
         let place = free.iter().position(|&f| f == i);
         place.map_or(f64::INFINITY, |a| m[(a, a)].max(0.0).sqrt() * stretch(problem, at, i))

@@ -1,0 +1,99 @@
+//! `pitchid reproduce paper`: the paper's Table 2 and figures, over many simulated campaigns.
+
+mod campaign;
+mod figures;
+mod page;
+mod study;
+
+use super::reading::read_plain;
+use crate::failure::Failure;
+use crate::output;
+use crate::progress::Progress;
+use campaign::{Condition, fly_campaign};
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+use study::{Paper, Study, study};
+use sysid::identify::compare::{Settings, identify, identify_on};
+
+/// Repeats a published experiment in the simulator
+#[derive(Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    Paper(PaperArguments),
+}
+
+/// Table 2 and figures 6 to 8 of Riccardi, Panizza, Lovera (ERF 2014), over many simulated campaigns
+///
+/// Flies three tests of rising amplitude for each seed, on the nominal plant and on one with servo lag, dry friction and a
+/// coloured moment. Every method learns from the first excitation of each; all are judged by the closed loop and by an unused
+/// PRBS of the second test. Prints the median VAF with the range of the middle 80 % of the seeds beside the paper's figures.
+#[derive(Args)]
+#[command(after_help = AFTER_HELP)]
+struct PaperArguments {
+    /// Recordings of a rig, identified in the same way and shown beside
+    #[arg(value_name = "RECORDING")]
+    recordings: Vec<PathBuf>,
+
+    /// Simulated campaigns per condition
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    seeds: u32,
+
+    /// Dwell of the PRBS: 1 = 0.05..0.1 s, 2 = 0.1..0.2 s, 3 = 0.2..0.4 s, 4 = 0.4..0.8 s
+    #[arg(long, value_name = "1..4", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=4))]
+    campaign: u8,
+
+    /// Folder for the page, its pictures and the figures as JSON
+    #[arg(long, value_name = "DIR", default_value = "pitchid-paper")]
+    out: PathBuf,
+}
+
+const AFTER_HELP: &str = "\
+Writes into DIR:
+  paper.md        the tables, with the pictures
+  paper.json      every seed's figures
+  figure6.svg     closed loop: measured and simulated         figure7.svg   unused PRBS: the same
+  figure8.svg     H∞ match and PI-MOESP: responses            choice.svg    order and block size of PI-MOESP
+  bode.svg        gains of all methods, with the data's own
+
+Examples:
+  pitchid reproduce paper
+  pitchid reproduce paper --seeds 100 --out /tmp/paper
+  pitchid reproduce paper flight1.csv flight2.csv
+
+Exit status: 0 reproduced; 2 the folder or a recording could not be used.";
+
+/// Reproduces.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let What::Paper(arguments) = &arguments.what;
+    let folder = arguments.out.as_path();
+    std::fs::create_dir_all(folder).map_err(|e| Failure::unwritable(&folder.display().to_string(), &e))?;
+    let recordings = arguments.recordings.iter().map(|path| read_plain(path)).collect::<Result<Vec<_>, _>>()?;
+    let progress = Progress::start("flying and identifying");
+    let mut studies: Vec<Study> = Vec::new();
+    for condition in [Condition::Nominal, Condition::Realistic] {
+        studies.push(study(condition, arguments.campaign, arguments.seeds, &|what| progress.say(what))?);
+    }
+    progress.say("drawing the first realistic campaign");
+    let shown = fly_campaign(Condition::Realistic, arguments.campaign, 1)?;
+    let found = identify_on(&shown.data, &shown.split, &shown.baseline, &Settings::default(), &|_| ())?;
+    for (name, picture) in figures::all(&shown, &found)? {
+        output::write(&folder.join(name), &picture)?;
+    }
+    let given = if recordings.is_empty() {
+        None
+    } else {
+        progress.say("identifying the given recordings");
+        Some(identify(&recordings, None, &|_| ())?)
+    };
+    drop(progress);
+    let paper = Paper { campaign: arguments.campaign, seeds: arguments.seeds, studies };
+    output::write(&folder.join("paper.json"), &output::json(&paper)?)?;
+    output::write(&folder.join("paper.md"), &page::markdown(&paper, &found, given.as_ref()))?;
+    output::print(&page::terminal(&paper, given.as_ref()))?;
+    output::print(&format!("\nPage: {}\n", folder.join("paper.md").display()))
+}
