@@ -15,6 +15,7 @@ use super::pi_moesp::{Candidate, Grid, Method, search};
 use crate::error::{Error, ErrorKind};
 use crate::model::state_space::StateSpace;
 use core::ops::RangeInclusive;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Folds at most.
@@ -64,11 +65,12 @@ pub fn cross_validated(
     block_sizes: RangeInclusive<usize>,
     method: &Method,
 ) -> Result<Chosen, Error> {
-    let whole = search(pieces, pieces, orders.clone(), block_sizes.clone(), method)?;
-    let folds: Vec<Option<Grid>> = folds(pieces)
-        .iter()
-        .map(|(learn, judge)| search(learn, judge, orders.clone(), block_sizes.clone(), method).ok())
-        .collect();
+    let search = |learn: &[Piece], judge: &[Piece]| search(learn, judge, orders.clone(), block_sizes.clone(), method);
+    let (whole, folds) = rayon::join(
+        || search(pieces, pieces),
+        || folds(pieces).par_iter().map(|(learn, judge)| search(learn, judge).ok()).collect::<Vec<Option<Grid>>>(),
+    );
+    let whole = whole?;
     let score = |cell: usize| -> Option<f64> {
         whole.candidates[cell].model.as_ref()?;
         let vafs: Option<Vec<f64>> = folds.iter().map(|grid| grid.as_ref()?.candidates.get(cell)?.vaf).collect();

@@ -33,6 +33,8 @@ struct Chart {
     x: &'static str,
     y: &'static str,
     log_x: bool,
+    /// Dots instead of lines.
+    dotted: bool,
     curves: Vec<Curve>,
     /// Vertical bars (x, low, high) with a dot at the third.
     bars: Vec<[f64; 4]>,
@@ -77,6 +79,7 @@ fn traces(campaign: &Campaign, found: &Identification, label: &str, names: &[&st
         x: "time, s",
         y: "pitch rate, rad/s",
         log_x: false,
+        dotted: false,
         curves,
         bars: Vec::new(),
         band: Vec::new(),
@@ -106,6 +109,7 @@ fn bode(campaign: &Campaign, found: &Identification) -> Chart {
         x: "rad/s",
         y: "gain, dB (1/s)",
         log_x: true,
+        dotted: false,
         curves: curves.collect(),
         bars: bars.collect(),
         band: band
@@ -128,6 +132,7 @@ fn choice(found: &Identification) -> Chart {
         x: "block size i",
         y: "VAF, %",
         log_x: false,
+        dotted: true,
         curves: curves.collect(),
         bars: Vec::new(),
         band: Vec::new(),
@@ -172,6 +177,7 @@ impl Chart {
         let mut chart = ChartBuilder::on(area)
             .margin_top(px(6))
             .margin_right(px(12))
+            .margin_left(px(8))
             .x_label_area_size(px(34))
             .y_label_area_size(px(62))
             .build_cartesian_2d(xs.0..xs.1, ys.clone())
@@ -206,10 +212,14 @@ impl Chart {
             chart.draw_series([dot]).map_err(|e| e.to_string())?;
         }
         for curve in &self.curves {
-            let line = curve.points.iter().map(|(x, y)| inside(*x, *y));
-            chart
-                .draw_series(LineSeries::new(line, curve.color.stroke_width(curve.width)))
-                .map_err(|e| e.to_string())?;
+            let points = curve.points.iter().map(|(x, y)| inside(*x, *y));
+            if self.dotted {
+                let dots = points.map(|at| Circle::new(at, px(3), curve.color.filled()));
+                chart.draw_series(dots).map_err(|e| e.to_string())?;
+            } else {
+                let line = LineSeries::new(points, curve.color.stroke_width(curve.width));
+                chart.draw_series(line).map_err(|e| e.to_string())?;
+            }
         }
         Ok(())
     }

@@ -83,7 +83,7 @@ fn one_seed(condition: Condition, campaign: u8, seed: u64) -> Result<SeedResult,
     let settings = Settings { replicates: 0, thorough: false, ..Settings::default() };
     let found = identify_on(&flown.data, &flown.split, &flown.baseline, &settings, &|_| ())?;
     let mut names: Vec<String> = Vec::new();
-    let methods = found
+    let mut methods: Vec<MethodFigures> = found
         .methods
         .iter()
         .map(|method| {
@@ -95,6 +95,12 @@ fn one_seed(condition: Condition, campaign: u8, seed: u64) -> Result<SeedResult,
             MethodFigures { name, closed_loop: vaf(closed_loop_label()), prbs: vaf(prbs_label()) }
         })
         .collect();
+    let ceiling = |label: String| found.ceiling_vaf_percent.get(&label).copied();
+    methods.push(MethodFigures {
+        name: "ceiling".into(),
+        closed_loop: ceiling(closed_loop_label()),
+        prbs: ceiling(prbs_label()),
+    });
     let truth = Plant::nominal();
     let errors = |name: &str, list: &[sysid::estimate::Estimate]| {
         let of = |parameter: &str, truth: f64| {

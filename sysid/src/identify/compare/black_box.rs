@@ -16,6 +16,8 @@ use estimator_core::lms::LmsConfig;
 
 /// Amplitude that the on-board estimator's defaults are made for.
 const USUAL_AMPLITUDE: f64 = 0.015;
+/// Below this cross-validated VAF the grey box's delay is doubted.
+const DOUBTFUL: f64 = 90.0;
 /// A delay must gain this many points of cross-validated VAF against the grey box's to be taken instead.
 const WORTH: f64 = 0.5;
 
@@ -87,23 +89,23 @@ pub(super) struct Subspace {
     pub chosen: Option<Chosen>,
 }
 
-/// PI-MOESP and PO-MOESP behind the grey box's delay; without any where that predicts clearly better.
+/// PI-MOESP and PO-MOESP behind the grey box's delay; without any where PI-MOESP then predicts clearly better.
 pub(super) fn subspace(work: &Work, delay: f64) -> [Subspace; 2] {
+    let behind = |instruments, delay_samples| {
+        let method = Method { instruments, delay_samples, ..Method::default() };
+        (method, cross_validated(&work.training, 1..=5, 10..=50, &method))
+    };
+    let score = |chosen: &Result<Chosen, Error>| chosen.as_ref().map_or(0.0, |c| c.vaf_percent);
     let whole = (delay / work.step + 1e-9) as usize;
-    let both = [("PI-MOESP", Instruments::PastInputs), ("PO-MOESP", Instruments::PastInputsAndOutputs)];
-    both.map(|(name, instruments)| {
-        let behind = |delay_samples| {
-            let method = Method { instruments, delay_samples, ..Method::default() };
-            (method, cross_validated(&work.training, 1..=5, 10..=50, &method))
-        };
-        let (mut method, mut chosen) = behind(whole);
-        if whole > 0 {
-            let (other, prompt) = behind(0);
-            let score = |chosen: &Result<Chosen, Error>| chosen.as_ref().map_or(0.0, |c| c.vaf_percent);
-            if score(&prompt) > score(&chosen) + WORTH {
-                (method, chosen) = (other, prompt);
-            }
+    let mut pi = behind(Instruments::PastInputs, whole);
+    if whole > 0 && score(&pi.1) < DOUBTFUL {
+        let prompt = behind(Instruments::PastInputs, 0);
+        if score(&prompt.1) > score(&pi.1) + WORTH {
+            pi = prompt;
         }
+    }
+    let po = behind(Instruments::PastInputsAndOutputs, pi.0.delay_samples);
+    [("PI-MOESP", pi), ("PO-MOESP", po)].map(|(name, (method, chosen))| {
         match chosen {
             Ok(chosen) => {
                 let detail = format!("n = {}, i = {}", chosen.order, chosen.block_size);

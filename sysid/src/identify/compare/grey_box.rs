@@ -54,7 +54,7 @@ pub(super) fn fit_all(work: &Work, baseline: &Baseline, thorough: bool) -> Resul
     let coloured = Options { noise: Noise::Coloured, ..options };
     let start = &baseline.plant;
     let found = fit(&work.training, start, &options)?;
-    let modelled = fit(&work.training, &found.plant, &coloured)?;
+    let modelled = fit(&work.training, &found.plant, &Options { several_starts: false, ..coloured })?;
     let line = |found: &OutputErrorFit, detail: String| {
         work.line("grey-box ML", detail, LinearModel::GreyBox(found.plant, options), remark(found))
     };
@@ -64,13 +64,16 @@ pub(super) fn fit_all(work: &Work, baseline: &Baseline, thorough: bool) -> Resul
     let parameters = with_input_unit(found.parameters.clone(), unit);
     let mut model = model_file(&found.plant, &[]);
     add_intervals(&mut model, &parameters);
-    let profile = || delay_profile(&work.training, &found.plant, &options).ok();
-    let cannot_tell = || identifiability(&work.training, &found.plant, &coloured).ok().flatten();
+    // from the best end: there is no need for further starts
+    let (again, once_more) =
+        (Options { several_starts: false, ..options }, Options { several_starts: false, ..coloured });
+    let profile = || delay_profile(&work.training, &found.plant, &again).ok();
+    let cannot_tell = || identifiability(&work.training, &modelled.plant, &once_more).ok().flatten();
     Ok(GreyBox {
         lines: vec![line(&found, "output error".into()), line(&modelled, colour)],
         plant: found.plant,
         parameters,
-        parameters_coloured: with_input_unit(modelled.parameters, unit),
+        parameters_coloured: with_input_unit(modelled.parameters.clone(), unit),
         correlation: found.correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
         identifiability: if thorough { cannot_tell() } else { None },
         delay: if thorough { profile() } else { None },
@@ -80,9 +83,9 @@ pub(super) fn fit_all(work: &Work, baseline: &Baseline, thorough: bool) -> Resul
 
 fn remark(found: &OutputErrorFit) -> String {
     let [agreeing, starts] = found.agreeing_starts;
-    let mut remark = format!("{agreeing} of {starts} starts agree");
-    if !found.converged {
-        remark.push_str("; stopped before it converged");
+    let mut remark = if found.converged { "converged".to_owned() } else { "stopped before it converged".to_owned() };
+    if starts > 1 {
+        remark.push_str(&format!("; {agreeing} of {starts} starts agree"));
     }
     if !found.on_bound.is_empty() {
         remark.push_str(&format!("; on its bound, so not identified: {}", found.on_bound.join(", ")));

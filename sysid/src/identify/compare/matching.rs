@@ -17,6 +17,9 @@ use crate::validate::vaf::vaf;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// Rows that the bootstrap works through at most, but never fewer records than give an interval.
+const BOOTSTRAP_ROWS: usize = 4_000_000;
+const ENOUGH: usize = 50;
 /// A weighted error above this share of the response is no match.
 const UNLIKE: f64 = 0.3;
 
@@ -99,8 +102,10 @@ fn try_match(
         matched: Some((*start, *weight)),
         omegas: &omegas,
     };
+    let rows: usize = work.training.iter().map(|piece| piece.rows.len()).sum();
+    let affordable = (BOOTSTRAP_ROWS / rows.max(1)).max(ENOUGH);
     let all = if settings.replicates > 0 {
-        bootstrap(&recipe, settings.replicates, settings.seed)?
+        bootstrap(&recipe, settings.replicates.min(affordable), settings.seed)?
     } else {
         Replicates::default()
     };
@@ -131,7 +136,7 @@ fn try_match(
         relative: found.relative,
         active_rad_s: found.active.clone(),
         agreement_percent: work.held_out.iter().filter_map(agreement).collect(),
-        replicates: [all.plants.len(), settings.replicates],
+        replicates: [all.plants.len(), settings.replicates.min(affordable)],
         gain_band,
     };
     Ok((found, report))

@@ -11,14 +11,17 @@ use super::{LONGEST_DELAY_S, Noise, Options, best, no_fit, problem};
 use crate::error::Error;
 use crate::identify::fir::Piece;
 use crate::model::grey_box::Plant;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// 95 % quantile of χ² with one degree of freedom.
 const LIMIT: f64 = 3.841_458_820_694_124;
 /// Steps of τ in a sample.
-const PER_SAMPLE: f64 = 4.0;
-/// Halvings that place an end of the interval.
-const HALVINGS: usize = 12;
+const PER_SAMPLE: f64 = 2.0;
+/// Steps that place an end of the interval.
+const END_STEPS: usize = 6;
+/// D this close to its limit is at it.
+const AT_LIMIT: f64 = 0.05;
 
 /// The profile.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,7 +34,7 @@ pub struct DelayProfile {
     pub ci95_s: [f64; 2],
 }
 
-/// The profile over 0 to the best delay and twice as far, a quarter of a sample apart.
+/// The profile over 0 to the best delay and twice as far, half a sample apart.
 ///
 /// # Errors
 /// As [`super::fit`].
@@ -49,6 +52,7 @@ pub fn delay_profile(pieces: &[Piece], start: &Plant, options: &Options) -> Resu
     let step = whole.step / PER_SAMPLE;
     let last = (2.0 * plant.delay + 4.0 * whole.step).min(LONGEST_DELAY_S);
     let points: Vec<[f64; 2]> = (0..=(last / step) as usize)
+        .into_par_iter()
         .filter_map(|i| Some([i as f64 * step, deviance(i as f64 * step)?]))
         .collect();
     let end = |direction: f64| {
@@ -57,12 +61,18 @@ pub fn delay_profile(pieces: &[Piece], start: &Plant, options: &Options) -> Resu
             .filter(|p| (p[0] - plant.delay) * direction > 0.0 && p[1] > LIMIT)
             .min_by(|a, b| (a[0] - plant.delay).abs().total_cmp(&(b[0] - plant.delay).abs()));
         let Some(beyond) = beyond else { return if direction < 0.0 { 0.0 } else { last } };
-        let (mut inside, mut outside) = (plant.delay, beyond[0]);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
-            if deviance(middle).is_some_and(|d| d <= LIMIT) { inside = middle } else { outside = middle }
+        // √D is nearly straight: regula falsi on it, kept within the bracket
+        let (mut inside, mut outside) = ([plant.delay, 0.0], *beyond);
+        for _ in 0..END_STEPS {
+            let share = (LIMIT.sqrt() - inside[1].sqrt()) / (outside[1].sqrt() - inside[1].sqrt());
+            let middle = inside[0] + share.clamp(0.05, 0.95) * (outside[0] - inside[0]);
+            match deviance(middle) {
+                Some(d) if (d - LIMIT).abs() < AT_LIMIT => return middle,
+                Some(d) if d <= LIMIT => inside = [middle, d],
+                other => outside = [middle, other.unwrap_or(outside[1])],
+            }
         }
-        inside
+        inside[0]
     };
     Ok(DelayProfile { best_s: plant.delay, ci95_s: [end(-1.0), end(1.0)], points })
 }

@@ -42,10 +42,12 @@ use search::{At, Coordinate, Problem};
 
 /// Largest delay, s.
 pub const LONGEST_DELAY_S: f64 = 0.3;
-/// Range of ∂M/∂q/I, 1/s: from much faster than any vehicle to slightly unstable.
-const DAMPING_RANGE: [f64; 2] = [-200.0, 5.0];
+/// Range of ∂M/∂q/I, 1/s: from much faster than any vehicle to undamped. The free run of an unstable one would diverge.
+const DAMPING_RANGE: [f64; 2] = [-200.0, 0.0];
 /// Rounds of colour and fit.
 const ROUNDS: usize = 3;
+/// Rows, about, on which starts are compared.
+const COMPARED_ROWS: usize = 10_000;
 /// Ends within this much of −2 log likelihood of the best agree with it.
 const AGREED: f64 = 0.01;
 
@@ -192,18 +194,24 @@ fn sections<'a>(piece: &Piece<'a>, use_supervised: bool) -> Vec<Section<'a>> {
     found
 }
 
-/// The best end of all starts, whether it settled, its noise model, and how many starts reached it.
+/// The best end of all starts, whether it settled, its noise model, and how many starts reached it. On long records the
+/// starts are compared on their first part, and the best goes on with all.
 fn best(problem: &Problem, options: &Options) -> Option<(At, bool, Vec<f64>, [usize; 2])> {
     let rest = vec![Vector4::zeros(); problem.sections.len()];
     let first = problem.theta(&problem.start);
     let starts = if options.several_starts { starts(problem, &first) } else { vec![first] };
+    let short = if starts.len() > 1 { problem.shortened(COMPARED_ROWS) } else { None };
+    let compared = short.as_ref().unwrap_or(problem);
     let mut ends: Vec<(At, bool)> =
-        starts.iter().filter_map(|theta| problem.minimise(theta, &rest, &[])).collect();
+        starts.iter().filter_map(|theta| compared.minimise(theta, &rest, &[])).collect();
     ends.sort_by(|a, b| a.0.squares.total_cmp(&b.0.squares));
     let deviance = |at: &At| at.rows as f64 * at.squares.ln();
     let least = deviance(&ends.first()?.0);
     let agreeing = ends.iter().filter(|(at, _)| deviance(at) <= least + AGREED).count();
     let (mut at, mut converged) = ends.swap_remove(0);
+    if short.is_some() {
+        (at, converged) = problem.minimise(&at.theta, &at.x0, &[])?;
+    }
     let mut ar = Vec::new();
     if options.noise == Noise::Coloured {
         for _ in 0..ROUNDS {

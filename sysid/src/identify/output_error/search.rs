@@ -15,6 +15,9 @@ use nalgebra::{DMatrix, DVector, Vector4};
 const MOST_STEPS: usize = 40;
 /// A step is the last when it lowers N V by less than this many noise variances.
 const SETTLED: f64 = 1e-7;
+/// Errors beyond this multiple of the output's power are those of a run that has diverged: nothing can be eliminated
+/// from them.
+const DIVERGED: f64 = 1e8;
 /// Share of the output's power that errors cannot fall below.
 const ROUNDING: f64 = 1e-15;
 /// A parameter this close to a bound, as a share of its range, stands on it.
@@ -56,7 +59,7 @@ pub(super) struct At {
     pub rows: usize,
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
     /// The plant with `theta` in place of its parameters.
     pub fn plant(&self, theta: &[f64]) -> Plant {
         let mut plant = self.start;
@@ -78,6 +81,23 @@ impl Problem<'_> {
             Mount::from_mode(omega / TAU, damping, mount.inertia)
         });
         plant
+    }
+
+    /// The same over the first part of each section, in all about `rows`; `None` where there are not twice as many.
+    pub fn shortened(&self, rows: usize) -> Option<Self> {
+        let all: usize = self.sections.iter().map(|s| s.rows.len()).sum();
+        if all < 2 * rows {
+            return None;
+        }
+        let cut = |s: &Section<'a>| {
+            let kept = (s.rows.len() * rows / all).max(40).min(s.rows.len());
+            Section { rows: s.rows.start..s.rows.start + kept, ..s.clone() }
+        };
+        Some(Self {
+            sections: self.sections.iter().map(cut).collect(),
+            coordinates: self.coordinates.clone(),
+            ..*self
+        })
     }
 
     /// The coordinates' values of `plant`, within their bounds.
@@ -124,19 +144,20 @@ impl Problem<'_> {
         let model = self.sensitivities(theta, &self.parameters());
         let (nuisance, unknowns, width) = (model.order + 1, theta.len(), model.width());
         let mut total = DMatrix::zeros(unknowns + 1, unknowns + 1);
-        let (mut eliminated, mut rows) = (Vec::with_capacity(self.sections.len()), 0);
+        let (mut eliminated, mut rows, mut raw) = (Vec::with_capacity(self.sections.len()), 0, 0.0);
         for (section, x0) in self.sections.iter().zip(x0) {
             let mut products = DMatrix::zeros(width, width);
             model.rows(section, x0, ar, &mut |some| {
                 products += gram(MatRef::from_row_major_slice(some, some.len() / width, width));
             });
+            raw += products[(width - 1, width - 1)];
             eliminate(&mut products, nuisance);
             total += products.view((nuisance, nuisance), (unknowns + 1, unknowns + 1));
             rows += section.rows.len().saturating_sub(ar.len());
             eliminated.push(products);
         }
         let squares = total[(unknowns, unknowns)].max(self.rounding());
-        if !total.iter().all(|x| x.is_finite()) {
+        if !total.iter().all(|x| x.is_finite()) || raw > DIVERGED / ROUNDING * self.rounding() {
             return None;
         }
         let mut hessian = total.view((0, 0), (unknowns, unknowns)).into_owned();
