@@ -177,7 +177,8 @@ fn reasons(found: &Identification) -> String {
     if let Some(told) = &found.identifiability {
         lines.push(told.statement.clone());
     }
-    let left = found.methods.iter().flat_map(|m| m.tests.iter().map(move |(section, tests)| (m, section, tests)));
+    let left =
+        found.methods.iter().flat_map(|m| m.tests.iter().map(move |(section, tests)| (m, section, tests)));
     let clean: Vec<String> = left
         .filter(|(.., tests)| tests.input.independent)
         .map(|(m, section, _)| format!("{} ({}) on {section}", m.name, m.detail))
@@ -201,7 +202,8 @@ pub fn methods(found: &Identification) -> String {
         let vaf = |label: &String| of.get(label).map_or("-".into(), |v| format::percent(*v));
         found.held_out.iter().map(vaf).collect()
     };
-    let ceiling = ["ceiling".to_owned(), String::new(), "unstructured, fitted to the section itself".to_owned()];
+    let ceiling =
+        ["ceiling".to_owned(), String::new(), "unstructured, fitted to the section itself".to_owned()];
     let rows = found.methods.iter().map(|method| {
         let own = [method.name.clone(), method.detail.clone(), method.remark.clone()];
         own.into_iter().chain(cells(&method.vaf_percent)).collect()

@@ -120,7 +120,11 @@ fn a_joint_costs_nothing() {
 }
 
 /// Errors in units of the Cramér–Rao bound, and whether the interval covers: over many seeds.
-fn trials(seeds: u64, options: &Options, noise: impl Fn() -> Box<dyn FnMut(&mut Pcg64) -> f64> + Sync) -> Vec<OutputErrorFit> {
+fn trials(
+    seeds: u64,
+    options: &Options,
+    noise: impl Fn() -> Box<dyn FnMut(&mut Pcg64) -> f64> + Sync,
+) -> Vec<OutputErrorFit> {
     let free = vec![false; SECTION];
     (0..seeds)
         .into_par_iter()
@@ -137,7 +141,8 @@ fn judge(fits: &[OutputErrorFit]) -> (Vec<(String, f64)>, f64) {
     let (mut ratios, mut covered) = (Vec::new(), 0);
     for i in 0..count {
         let name = &fits[0].parameters[i].name;
-        let z2: f64 = fits.iter().map(|f| ((f.parameters[i].value - truth(name)) / f.cramer_rao[i]).powi(2)).sum();
+        let z2: f64 =
+            fits.iter().map(|f| ((f.parameters[i].value - truth(name)) / f.cramer_rao[i]).powi(2)).sum();
         ratios.push((name.clone(), (z2 / fits.len() as f64).sqrt()));
         covered += fits
             .iter()
@@ -203,7 +208,11 @@ fn the_delay_profile_holds_the_delay_and_other_samples_out() {
             .collect();
         let found = delay_profile(&pieces(&moved, &free), &START, &Options::default()).unwrap();
         println!("{delay} {:?} {:?}", found.best_s, found.ci95_s);
-        assert!((found.best_s - delay).abs() < 0.003 && found.ci95_s[0] > delay - 0.01 && found.ci95_s[1] < delay + 0.01);
+        assert!(
+            (found.best_s - delay).abs() < 0.003
+                && found.ci95_s[0] > delay - 0.01
+                && found.ci95_s[1] < delay + 0.01
+        );
         assert!(found.ci95_s[0] <= found.best_s && found.best_s <= found.ci95_s[1]);
     }
 }
@@ -216,7 +225,10 @@ fn the_data_tell_ratios_and_not_the_mount() {
     let start = Plant { delay: 0.06, ..START };
     let found = identifiability(&pieces(&data, &free), &start, &options).unwrap().unwrap();
     for q in &found.quantities {
-        println!("{:<16} J unknown {:10.2} %  J known {:6.2} %", q.name, q.j_unknown_percent, q.j_known_percent);
+        println!(
+            "{:<16} J unknown {:10.2} %  J known {:6.2} %",
+            q.name, q.j_unknown_percent, q.j_known_percent
+        );
     }
     println!("{}", found.statement);
     let of = |name: &str| found.quantities.iter().find(|q| q.name == name).unwrap();
@@ -229,7 +241,10 @@ fn the_data_tell_ratios_and_not_the_mount() {
     assert!(of("(∂M/∂u)/(I+J)").j_unknown_percent < 0.5 && of("k/J_r").j_unknown_percent < 5.0);
     let (_, told) = found.statement.split_once("not told by these data where J is unknown: ").unwrap();
     let (not, told) = told.split_once("; told as ratios: ").unwrap();
-    assert!(["∂M/∂q", "∂M/∂u", "k", "c", "J"].iter().all(|name| not.contains(&format!("{name} (±"))), "{not}");
+    assert!(
+        ["∂M/∂q", "∂M/∂u", "k", "c", "J"].iter().all(|name| not.contains(&format!("{name} (±"))),
+        "{not}"
+    );
     assert!(told.contains("k/J_r") && told.contains("(∂M/∂u)/(I+J)"), "{told}");
 }
 
@@ -252,8 +267,16 @@ fn the_reference_is_reached() {
                 let delayed = [vec![0.0; shift], u[..u.len() - shift].to_vec()].concat();
                 [vaf(measured, &own), vaf(measured, &at_rest.simulate(&delayed, None))]
             });
-            println!("{kind} {noise:?} AR {} VAF IV, II (own start, rest) {reached:.3?} reference {expected:?}", found.autoregression.len());
-            println!("  {:.4?} {:?} {:?}", found.parameters.iter().map(|p| (p.name.as_str(), p.value, p.ci95)).collect::<Vec<_>>(), found.on_bound, found.agreeing_starts);
+            println!(
+                "{kind} {noise:?} AR {} VAF IV, II (own start, rest) {reached:.3?} reference {expected:?}",
+                found.autoregression.len()
+            );
+            println!(
+                "  {:.4?} {:?} {:?}",
+                found.parameters.iter().map(|p| (p.name.as_str(), p.value, p.ci95)).collect::<Vec<_>>(),
+                found.on_bound,
+                found.agreeing_starts
+            );
             if let Some(expected) = expected {
                 for (reached, expected) in reached.iter().zip(expected) {
                     assert!((reached[1] - expected).abs() < 0.05, "{reached:?}");

@@ -101,20 +101,25 @@ pub fn bootstrap(recipe: &Recipe, count: usize, seed: u64) -> Result<Replicates,
         .collect();
     let ar = autoregression(&errors);
     let deviation = innovation(&errors, &ar);
-    let answers: Vec<Option<(Option<Plant>, Vec<Complex<f64>>)>> = (0..count as u64)
+    let answers: Vec<Option<Answer>> = (0..count as u64)
         .into_par_iter()
         .map(|k| {
-            let mut generator = Pcg64::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(k));
+            let mut generator =
+                Pcg64::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(k));
             repeat(recipe, &runs, &ar, deviation, &mut generator)
         })
         .collect();
-    let mut all = Replicates { failed: answers.iter().filter(|a| a.is_none()).count(), ..Replicates::default() };
+    let mut all =
+        Replicates { failed: answers.iter().filter(|a| a.is_none()).count(), ..Replicates::default() };
     for (plant, response) in answers.into_iter().flatten() {
         all.plants.extend(plant);
         all.responses.push(response);
     }
     Ok(all)
 }
+
+/// A matched grey box, where there is something to match, and the response.
+type Answer = (Option<Plant>, Vec<Complex<f64>>);
 
 /// One record, identified and matched.
 fn repeat(
@@ -123,7 +128,7 @@ fn repeat(
     ar: &[f64],
     deviation: f64,
     generator: &mut Pcg64,
-) -> Option<(Option<Plant>, Vec<Complex<f64>>)> {
+) -> Option<Answer> {
     let outputs: Vec<Vec<f64>> = recipe
         .pieces
         .iter()
@@ -140,10 +145,13 @@ fn repeat(
     let pieces: Vec<Piece> =
         recipe.pieces.iter().zip(&outputs).map(|(piece, y)| Piece { y, ..piece.clone() }).collect();
     let found = identify(&pieces, recipe.model.order(), recipe.block_size, &recipe.method).ok()?.model;
-    let response: Option<Vec<_>> = recipe.omegas.iter().map(|omega| found.frequency_response(*omega)).collect();
+    let response: Option<Vec<_>> =
+        recipe.omegas.iter().map(|omega| found.frequency_response(*omega)).collect();
     let plant = match &recipe.matched {
         None => None,
-        Some((start, weight)) => Some(hinf_match(&to_continuous(&found).ok()?, start, weight, None).ok()?.plant),
+        Some((start, weight)) => {
+            Some(hinf_match(&to_continuous(&found).ok()?, start, weight, None).ok()?.plant)
+        }
     };
     Some((plant, response?))
 }

@@ -65,15 +65,22 @@ pub fn cross_validated(
     block_sizes: RangeInclusive<usize>,
     method: &Method,
 ) -> Result<Chosen, Error> {
-    let search = |learn: &[Piece], judge: &[Piece]| search(learn, judge, orders.clone(), block_sizes.clone(), method);
+    let search =
+        |learn: &[Piece], judge: &[Piece]| search(learn, judge, orders.clone(), block_sizes.clone(), method);
     let (whole, folds) = rayon::join(
         || search(pieces, pieces),
-        || folds(pieces).par_iter().map(|(learn, judge)| search(learn, judge).ok()).collect::<Vec<Option<Grid>>>(),
+        || {
+            folds(pieces)
+                .par_iter()
+                .map(|(learn, judge)| search(learn, judge).ok())
+                .collect::<Vec<Option<Grid>>>()
+        },
     );
     let whole = whole?;
     let score = |cell: usize| -> Option<f64> {
         whole.candidates[cell].model.as_ref()?;
-        let vafs: Option<Vec<f64>> = folds.iter().map(|grid| grid.as_ref()?.candidates.get(cell)?.vaf).collect();
+        let vafs: Option<Vec<f64>> =
+            folds.iter().map(|grid| grid.as_ref()?.candidates.get(cell)?.vaf).collect();
         vafs.map(|vafs| vafs.iter().sum::<f64>() / vafs.len() as f64)
     };
     let scores: Vec<Option<f64>> = (0..whole.candidates.len()).map(score).collect();
@@ -92,7 +99,12 @@ fn folds<'a>(pieces: &[Piece<'a>]) -> Vec<(Vec<Piece<'a>>, Vec<Piece<'a>>)> {
     };
     let count = parts.len().min(MOST_FOLDS);
     let of = |fold: usize, inside: bool| {
-        parts.iter().enumerate().filter(|(k, _)| (k % count == fold) == inside).map(|(_, p)| p.clone()).collect()
+        parts
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| (k % count == fold) == inside)
+            .map(|(_, p)| p.clone())
+            .collect()
     };
     (0..count).map(|fold| (of(fold, false), of(fold, true))).collect()
 }

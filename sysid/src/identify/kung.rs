@@ -103,7 +103,8 @@ pub fn realise_by_free_run(fir: &Fir, pieces: &[Piece]) -> Result<Realisation, E
         // says why there is none
         return realise(fir, None);
     };
-    let left_out = if unstable.is_empty() { String::new() } else { format!("; unstable: {}", unstable.join(", ")) };
+    let left_out =
+        if unstable.is_empty() { String::new() } else { format!("; unstable: {}", unstable.join(", ")) };
     found.reason = format!(
         "order {}: the lowest within {AS_GOOD} points of the best stable one, {vaf:.1} % where it was fitted{left_out}",
         found.model.order()

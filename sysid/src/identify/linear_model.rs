@@ -55,7 +55,8 @@ impl LinearModel {
     pub fn frequency_response(&self, omega: f64, step: f64) -> Option<Complex<f64>> {
         match self {
             Self::Impulse(fir) => {
-                let tap = |(i, w): (usize, &f64)| Complex::cis(-omega * step * (fir.first_lag + i) as f64) * *w;
+                let tap =
+                    |(i, w): (usize, &f64)| Complex::cis(-omega * step * (fir.first_lag + i) as f64) * *w;
                 Some(fir.taps.iter().enumerate().map(tap).sum())
             }
             Self::Sampled(model) => model.frequency_response(omega),

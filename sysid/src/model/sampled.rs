@@ -103,7 +103,10 @@ impl SampledPlant {
         let (f, t) = (self.fraction, self.step);
         if self.held {
             let (late, early) = (self.blocks((1.0 - f) * t), self.blocks(f * t));
-            return Coefficients { transition: late.0 * early.0, input: [Vector4::zeros(), late.1, late.0 * early.1] };
+            return Coefficients {
+                transition: late.0 * early.0,
+                input: [Vector4::zeros(), late.1, late.0 * early.1],
+            };
         }
         let (transition, step, ramp) = self.blocks(t);
         let (before, after) = (step - ramp / t, ramp / t);
@@ -115,7 +118,8 @@ impl SampledPlant {
     pub fn slope(&self, parameter: Parameter) -> Coefficients {
         match parameter {
             Parameter::DmDu => {
-                let unit = Self::new(&Plant { dm_du: 1.0, ..self.plant }, self.step, self.held).coefficients();
+                let unit =
+                    Self::new(&Plant { dm_du: 1.0, ..self.plant }, self.step, self.held).coefficients();
                 Coefficients { transition: Matrix4::zeros(), ..unit }
             }
             Parameter::Delay => self.slope_to_delay(),
@@ -142,11 +146,7 @@ impl SampledPlant {
                 (self.blocks_with_slope(da, (1.0 - f) * t), self.blocks_with_slope(da, f * t));
             return Coefficients {
                 transition: late_slope.0 * early.0 + late.0 * early_slope.0,
-                input: [
-                    Vector4::zeros(),
-                    late_slope.1,
-                    late_slope.0 * early.1 + late.0 * early_slope.1,
-                ],
+                input: [Vector4::zeros(), late_slope.1, late_slope.0 * early.1 + late.0 * early_slope.1],
             };
         }
         let (_, (transition, step, ramp)) = self.blocks_with_slope(da, t);
@@ -302,7 +302,11 @@ mod tests {
                 let (plus, minus) = (at(h), at(-h));
                 let slope = SampledPlant::new(&plant, 0.02, held).slope(parameter);
                 let differences = (plus.transition - minus.transition) / (2.0 * h);
-                let size = 1.0 + slope.transition.amax().max(slope.input.map(|g| g.amax()).into_iter().fold(0.0, f64::max));
+                let size = 1.0
+                    + slope
+                        .transition
+                        .amax()
+                        .max(slope.input.map(|g| g.amax()).into_iter().fold(0.0, f64::max));
                 assert!((differences - slope.transition).amax() < 1e-7 * size, "{parameter:?} {held}");
                 for j in 0..3 {
                     let difference = (plus.input[j] - minus.input[j]) / (2.0 * h);
@@ -332,12 +336,18 @@ mod tests {
         let plant = plant(0.06, true);
         let own = SampledPlant::new(&plant, 0.02, true).coefficients();
         let other = crate::identify::hinf_match::grey_box_response(&plant).unwrap().sampled(0.02).unwrap();
-        let (mut x, mut pulse) = (Vector4::zeros(), vec![0.0; 60]);
+        let (mut x, mut pulse) = (Vector4::<f64>::zeros(), vec![0.0; 60]);
         pulse[0] = 1.0;
         let expected = other.simulate(&pulse, None);
         for (k, expected) in expected.iter().enumerate() {
             assert!((x[1] - expected).abs() < 1e-10, "{k}: {} {expected}", x[1]);
-            let input = if k == 0 { own.input[1] } else if k == 1 { own.input[2] } else { Vector4::zeros() };
+            let input = if k == 0 {
+                own.input[1]
+            } else if k == 1 {
+                own.input[2]
+            } else {
+                Vector4::zeros()
+            };
             x = own.transition * x + input;
         }
     }

@@ -47,7 +47,8 @@ pub fn coherence(sections: &[[&[f64]; 2]], step: f64) -> Vec<Line> {
     if length < 16 {
         return Vec::new();
     }
-    let window: Vec<f64> = (0..length).map(|k| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / length as f64).cos()).collect();
+    let window: Vec<f64> =
+        (0..length).map(|k| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / length as f64).cos()).collect();
     let bins = bins(length);
     let mut sums = vec![(0.0, 0.0, Complex::from(0.0)); bins.len()];
     let mut segments = 0;

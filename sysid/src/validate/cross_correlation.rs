@@ -14,8 +14,9 @@
 use super::whiteness::family_quantile;
 use serde::Serialize;
 
-/// Lags of both correlations that make up the variance, as a share of the samples.
+/// Lags of both correlations that make up the variance: this share of the samples, but not more than that many.
 const REACH: f64 = 0.1;
+const MOST_LAGS: usize = 500;
 
 /// The verdict.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,10 +43,11 @@ pub fn cross_correlation(input: &[f64], errors: &[f64], lags: usize) -> CrossCor
     let size = (product(&u, &u, 0) * product(&e, &e, 0)).sqrt().max(f64::MIN_POSITIVE);
     let lags = lags.min(n / 4);
     let correlation: Vec<f64> = (0..=lags).map(|lag| product(&u, &e, lag) / size).collect();
-    let reach = (REACH * n as f64) as usize;
+    let reach = ((REACH * n as f64) as usize).min(MOST_LAGS);
     // Bartlett's weights keep the sum positive
     let both = |lag: usize| product(&u, &u, lag) * product(&e, &e, lag) / (size * size);
-    let sum = both(0) + 2.0 * (1..=reach).map(|lag| (1.0 - lag as f64 / (reach + 1) as f64) * both(lag)).sum::<f64>();
+    let sum = both(0)
+        + 2.0 * (1..=reach).map(|lag| (1.0 - lag as f64 / (reach + 1) as f64) * both(lag)).sum::<f64>();
     let band = family_quantile(lags + 1) * (sum.max(0.0) / n.max(1) as f64).sqrt();
     let outside = correlation.iter().filter(|r| r.abs() > band).count();
     CrossCorrelation { correlation, band, outside, independent: outside == 0 }

@@ -167,9 +167,9 @@ impl Chart {
 
     fn panel(&self, area: &Area<'_>) -> Result<(), String> {
         let points = || self.curves.iter().flat_map(|c| &c.points);
-        let xs = points().map(|p| self.place(p.0)).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        });
+        let xs = points()
+            .map(|p| self.place(p.0))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         if xs.0 >= xs.1 {
             return Ok(());
         }
@@ -200,13 +200,15 @@ impl Chart {
             .map_err(|e| e.to_string())?;
         let inside = |x: f64, y: f64| (self.place(x).clamp(xs.0, xs.1), y.clamp(ys.start, ys.end));
         let upper = self.band.iter().map(|b| inside(b[0], b[2]));
-        let outline: Vec<(f64, f64)> = upper.chain(self.band.iter().rev().map(|b| inside(b[0], b[1]))).collect();
+        let outline: Vec<(f64, f64)> =
+            upper.chain(self.band.iter().rev().map(|b| inside(b[0], b[1]))).collect();
         if outline.len() > 2 {
             let area = Polygon::new(outline, EXTENDED.mix(0.15).filled());
             chart.draw_series([area]).map_err(|e| e.to_string())?;
         }
         for [x, low, high, middle] in &self.bars {
-            let bar = PathElement::new(vec![inside(*x, *low), inside(*x, *high)], MEASURED.stroke_width(px(1)));
+            let bar =
+                PathElement::new(vec![inside(*x, *low), inside(*x, *high)], MEASURED.stroke_width(px(1)));
             chart.draw_series([bar]).map_err(|e| e.to_string())?;
             let dot = Circle::new(inside(*x, *middle), px(2), MEASURED.filled());
             chart.draw_series([dot]).map_err(|e| e.to_string())?;

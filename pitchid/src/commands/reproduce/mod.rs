@@ -72,7 +72,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let What::Paper(arguments) = &arguments.what;
     let folder = arguments.out.as_path();
     std::fs::create_dir_all(folder).map_err(|e| Failure::unwritable(&folder.display().to_string(), &e))?;
-    let recordings = arguments.recordings.iter().map(|path| read_plain(path)).collect::<Result<Vec<_>, _>>()?;
+    let recordings =
+        arguments.recordings.iter().map(|path| read_plain(path)).collect::<Result<Vec<_>, _>>()?;
     let progress = Progress::start("flying and identifying");
     let mut studies: Vec<Study> = Vec::new();
     for condition in [Condition::Nominal, Condition::Realistic] {

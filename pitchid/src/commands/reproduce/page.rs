@@ -19,7 +19,8 @@ const AGREEMENT: f64 = 96.9;
 pub fn terminal(paper: &Paper, given: Option<&Identification>) -> String {
     let mut shown = String::new();
     for study in &paper.studies {
-        let _ = writeln!(shown, "\n{}; {} campaigns, {}", study.condition.told(), paper.seeds, supervised(study));
+        let _ =
+            writeln!(shown, "\n{}; {} campaigns, {}", study.condition.told(), paper.seeds, supervised(study));
         shown.push_str(&text::table(&header(), rows(study), 1));
         shown.push_str(&text::paragraph(&agreement(study)));
         shown.push_str(&text::table(&["", "error of ∂M/∂q, %", "error of ∂M/∂u, %"], errors(study), 1));
@@ -41,7 +42,8 @@ pub fn markdown(paper: &Paper, shown: &Identification, given: Option<&Identifica
         paper.campaign, paper.seeds
     );
     for study in &paper.studies {
-        let _ = write!(page, "\n## {}\n\n{}.\n\n", capital(study.condition.told()), capital(&supervised(study)));
+        let _ =
+            write!(page, "\n## {}\n\n{}.\n\n", capital(study.condition.told()), capital(&supervised(study)));
         page.push_str(&table(&header(), &rows(study)));
         let _ = write!(page, "\n{}\n\n", agreement(study));
         page.push_str(&table(&["", "error of ∂M/∂q, %", "error of ∂M/∂u, %"], &errors(study)));
@@ -50,8 +52,14 @@ pub fn markdown(paper: &Paper, shown: &Identification, given: Option<&Identifica
     for (file, caption) in [
         ("figure6.svg", "Figure 6: closed loop (section IV), measured and simulated."),
         ("figure7.svg", "Figure 7: unused PRBS, measured and simulated."),
-        ("figure8.svg", "Figure 8: responses of the PI-MOESP model and of the grey box matched to it, to the same PRBS."),
-        ("bode.svg", "Gain of every model, of the data without a model, and the 95 % band of the PI-MOESP model (bootstrap)."),
+        (
+            "figure8.svg",
+            "Figure 8: responses of the PI-MOESP model and of the grey box matched to it, to the same PRBS.",
+        ),
+        (
+            "bode.svg",
+            "Gain of every model, of the data without a model, and the 95 % band of the PI-MOESP model (bootstrap).",
+        ),
         ("choice.svg", "Cross-validated VAF of PI-MOESP over block size, for each order."),
     ] {
         let _ = write!(page, "![{caption}]({file})\n\n{caption}\n\n");
@@ -60,12 +68,15 @@ pub fn markdown(paper: &Paper, shown: &Identification, given: Option<&Identifica
         let _ = writeln!(page, "{}", subspace.reason);
     }
     if let Some(given) = given {
-        let columns: Vec<&str> = ["method", ""].into_iter().chain(given.held_out.iter().map(String::as_str)).collect();
+        let columns: Vec<&str> =
+            ["method", ""].into_iter().chain(given.held_out.iter().map(String::as_str)).collect();
         let rows: Vec<Vec<String>> = given
             .methods
             .iter()
             .map(|method| {
-                let vaf = |label: &String| method.vaf_percent.get(label).map_or("-".into(), |v| format::percent(*v));
+                let vaf = |label: &String| {
+                    method.vaf_percent.get(label).map_or("-".into(), |v| format::percent(*v))
+                };
                 let own = [method.name.clone(), method.detail.clone()];
                 own.into_iter().chain(given.held_out.iter().map(vaf)).collect()
             })
@@ -124,7 +135,9 @@ fn supervised(study: &Study) -> String {
 
 fn agreement(study: &Study) -> String {
     let found = spread(study, study.agreement());
-    format!("Responses of the H∞ match and of PI-MOESP to the PRBS agree to a VAF of {found} % (paper: {AGREEMENT}).")
+    format!(
+        "Responses of the H∞ match and of PI-MOESP to the PRBS agree to a VAF of {found} % (paper: {AGREEMENT})."
+    )
 }
 
 fn capital(text: &str) -> String {

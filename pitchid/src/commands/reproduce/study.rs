@@ -66,7 +66,12 @@ pub struct ParameterErrors {
 }
 
 /// Runs all seeds on all cores; the answer does not depend on their number.
-pub fn study(condition: Condition, campaign: u8, seeds: u32, say: &(dyn Fn(&str) + Sync)) -> Result<Study, Failure> {
+pub fn study(
+    condition: Condition,
+    campaign: u8,
+    seeds: u32,
+    say: &(dyn Fn(&str) + Sync),
+) -> Result<Study, Failure> {
     let done = AtomicU32::new(0);
     let one = |seed: u32| -> Result<SeedResult, Failure> {
         let result = one_seed(condition, campaign, seed.into());
@@ -172,12 +177,16 @@ impl Study {
 
     /// A parameter error of one method.
     pub fn error(&self, method: &str, figure: impl Fn(&ParameterErrors) -> f64) -> Option<Spread> {
-        Spread::of(self.seeds.iter().flat_map(|s| &s.parameter_errors).filter(|m| m.name == method).map(figure))
+        Spread::of(
+            self.seeds.iter().flat_map(|s| &s.parameter_errors).filter(|m| m.name == method).map(figure),
+        )
     }
 
     /// Names of the grey boxes.
     pub fn grey_boxes(&self) -> Vec<&str> {
-        self.seeds.first().map_or_else(Vec::new, |s| s.parameter_errors.iter().map(|m| m.name.as_str()).collect())
+        self.seeds
+            .first()
+            .map_or_else(Vec::new, |s| s.parameter_errors.iter().map(|m| m.name.as_str()).collect())
     }
 }
 

@@ -92,7 +92,8 @@ pub(super) struct Subspace {
 /// PI-MOESP and PO-MOESP behind the grey box's delay; without any where PI-MOESP then predicts clearly better.
 pub(super) fn subspace(work: &Work, delay: f64) -> [Subspace; 2] {
     let behind = |instruments, delay_samples| {
-        let method = Method { instruments, delay_samples, ..Method::default() };
+        // without a delay a direct term would learn the controller: u[k] answers to y[k]
+        let method = Method { instruments, delay_samples, direct: delay_samples > 0, ..Method::default() };
         (method, cross_validated(&work.training, 1..=5, 10..=50, &method))
     };
     let score = |chosen: &Result<Chosen, Error>| chosen.as_ref().map_or(0.0, |c| c.vaf_percent);
@@ -105,15 +106,13 @@ pub(super) fn subspace(work: &Work, delay: f64) -> [Subspace; 2] {
         }
     }
     let po = behind(Instruments::PastInputsAndOutputs, pi.0.delay_samples);
-    [("PI-MOESP", pi), ("PO-MOESP", po)].map(|(name, (method, chosen))| {
-        match chosen {
-            Ok(chosen) => {
-                let detail = format!("n = {}, i = {}", chosen.order, chosen.block_size);
-                let model = LinearModel::Sampled(chosen.model.clone());
-                Subspace { line: work.line(name, detail, model, remark(&chosen)), method, chosen: Some(chosen) }
-            }
-            Err(error) => Subspace { line: work.without_answer(name, &error), method, chosen: None },
+    [("PI-MOESP", pi), ("PO-MOESP", po)].map(|(name, (method, chosen))| match chosen {
+        Ok(chosen) => {
+            let detail = format!("n = {}, i = {}", chosen.order, chosen.block_size);
+            let model = LinearModel::Sampled(chosen.model.clone());
+            Subspace { line: work.line(name, detail, model, remark(&chosen)), method, chosen: Some(chosen) }
         }
+        Err(error) => Subspace { line: work.without_answer(name, &error), method, chosen: None },
     })
 }
 

@@ -3,7 +3,9 @@
 use super::judging::Work;
 use super::{MethodResult, with_input_unit};
 use crate::diagnosis::baseline::{Baseline, model_file};
-use crate::diagnosis::free_run::{noise_held, output_errors, refit_for_simulation, starting_points, vaf_by_place};
+use crate::diagnosis::free_run::{
+    noise_held, output_errors, refit_for_simulation, starting_points, vaf_by_place,
+};
 use crate::diagnosis::problem::{Problem, mode_of};
 use crate::diagnosis::search::{Fit, fit_baseline};
 use crate::error::{Error, ErrorKind};
@@ -59,7 +61,8 @@ pub(super) fn fit_all(work: &Work, baseline: &Baseline, thorough: bool) -> Resul
         work.line("grey-box ML", detail, LinearModel::GreyBox(found.plant, options), remark(found))
     };
     let order = modelled.autoregression.len();
-    let colour = if order == 0 { "errors are white".into() } else { format!("coloured noise, order {order}") };
+    let colour =
+        if order == 0 { "errors are white".into() } else { format!("coloured noise, order {order}") };
     let unit = work.data.input_unit;
     let parameters = with_input_unit(found.parameters.clone(), unit);
     let mut model = model_file(&found.plant, &[]);
@@ -83,7 +86,8 @@ pub(super) fn fit_all(work: &Work, baseline: &Baseline, thorough: bool) -> Resul
 
 fn remark(found: &OutputErrorFit) -> String {
     let [agreeing, starts] = found.agreeing_starts;
-    let mut remark = if found.converged { "converged".to_owned() } else { "stopped before it converged".to_owned() };
+    let mut remark =
+        if found.converged { "converged".to_owned() } else { "stopped before it converged".to_owned() };
     if starts > 1 {
         remark.push_str(&format!("; {agreeing} of {starts} starts agree"));
     }
@@ -113,8 +117,8 @@ fn with_effects(work: &Work, baseline: &Baseline) -> Result<GreyBox, Error> {
     };
     let (data, split) = (work.data, work.split);
     let problem = Problem::new(data, baseline, &split.held_out);
-    let fit =
-        fit_baseline(&problem).ok_or_else(|| failed("the grey box has no finite likelihood on these data"))?;
+    let fit = fit_baseline(&problem)
+        .ok_or_else(|| failed("the grey box has no finite likelihood on these data"))?;
     let minimum = refit_for_simulation(&problem, &fit, &split.training)
         .ok_or_else(|| failed("the free run of the grey box diverges on these data"))?;
     let unpacked = problem.unpack(&[], &minimum.values);

@@ -35,7 +35,9 @@ pub(super) struct Work<'a> {
 
 impl<'a> Work<'a> {
     pub fn new(data: &'a Dataset, split: &'a Split) -> Result<Self, Error> {
-        let pieces = |places: &'a [Place]| places.iter().map(|place| piece(data, place)).collect::<Result<Vec<_>, _>>();
+        let pieces = |places: &'a [Place]| {
+            places.iter().map(|place| piece(data, place)).collect::<Result<Vec<_>, _>>()
+        };
         let (training, held_out) = (pieces(&split.training)?, pieces(&split.held_out)?);
         let step = common_step(&training)?;
         Ok(Self {
@@ -66,7 +68,8 @@ impl<'a> Work<'a> {
             model: None,
         };
         let held = self.held_out.iter().map(|(place, piece)| (*place, piece, true));
-        let trained = self.split.training.iter().zip(&self.training).map(|(place, piece)| (place, piece, false));
+        let trained =
+            self.split.training.iter().zip(&self.training).map(|(place, piece)| (place, piece, false));
         for (place, piece, is_held) in trained.chain(held) {
             let Some(simulated) = model.simulate(piece) else { continue };
             let measured = &piece.y[piece.rows.clone()];
@@ -148,5 +151,12 @@ fn piece<'a>(data: &'a Dataset, place: &Place) -> Result<Piece<'a>, Error> {
         Error::new(ErrorKind::Section, found, "take the sections from this data set")
     })?;
     let y = run.rate.as_deref().or(run.angle.as_deref()).unwrap_or_default();
-    Ok(Piece { u: &run.u, y, supervised: &run.supervised, rows: place.rows.clone(), run: place.run, step: run.step })
+    Ok(Piece {
+        u: &run.u,
+        y,
+        supervised: &run.supervised,
+        rows: place.rows.clone(),
+        run: place.run,
+        step: run.step,
+    })
 }

@@ -65,7 +65,8 @@ pub(super) fn matched(
         Ok((found, report)) => {
             let [n, i] = report.matched_to;
             let detail = format!("to n = {n}, i = {i}");
-            let unlike = if found.relative > UNLIKE { "; no grey box resembles the PI-MOESP model" } else { "" };
+            let unlike =
+                if found.relative > UNLIKE { "; no grey box resembles the PI-MOESP model" } else { "" };
             let remark = format!(
                 "weighted error {:.1} % of the response, at {:.2} rad/s; {} of {} starts agree{unlike}",
                 100.0 * found.relative,
@@ -89,8 +90,10 @@ fn try_match(
 ) -> Result<(HinfMatch, HinfReport), Error> {
     let none = |what| Error::new(ErrorKind::Numerical, what, "give longer sections");
     let chosen = pi.chosen.as_ref().ok_or_else(|| none("there is no PI-MOESP model to match"))?;
-    let (target, order, block_size) =
-        chosen.continuous.as_ref().ok_or_else(|| none("no PI-MOESP model has a continuous-time equivalent"))?;
+    let (target, order, block_size) = chosen
+        .continuous
+        .as_ref()
+        .ok_or_else(|| none("no PI-MOESP model has a continuous-time equivalent"))?;
     let found = hinf_match(target, start, weight, None)?;
     let model = identify(&work.training, *order, *block_size, &pi.method)?.model;
     let omegas: Vec<f64> = work.response().iter().map(|line| line.omega_rad_s).collect();
@@ -115,7 +118,12 @@ fn try_match(
         Some((place.label.clone(), vaf(&prompt(&model)?.simulate(u, None), &grey.simulate(u, None))))
     };
     let unit = work.data.input_unit;
-    let estimate = |name: &str, unit: &str, value: f64, ci95| Estimate { name: name.into(), unit: unit.into(), value, ci95 };
+    let estimate = |name: &str, unit: &str, value: f64, ci95| Estimate {
+        name: name.into(),
+        unit: unit.into(),
+        value,
+        ci95,
+    };
     let parameters = vec![
         estimate("dM_dq", "N m s/rad", found.plant.dm_dq, all.interval(&found.plant, |p| p.dm_dq)),
         estimate("dM_du", "N m/rad", found.plant.dm_du, all.interval(&found.plant, |p| p.dm_du)),

@@ -45,7 +45,11 @@ pub struct Identifiability {
 ///
 /// # Errors
 /// As [`super::fit`].
-pub fn identifiability(pieces: &[Piece], start: &Plant, options: &Options) -> Result<Option<Identifiability>, Error> {
+pub fn identifiability(
+    pieces: &[Piece],
+    start: &Plant,
+    options: &Options,
+) -> Result<Option<Identifiability>, Error> {
     let problem = problem(pieces, start, options)?;
     let (at, _, ar, _) = best(&problem, options).ok_or_else(no_fit)?;
     let plant = problem.plant(&at.theta);
@@ -58,7 +62,10 @@ pub fn identifiability(pieces: &[Piece], start: &Plant, options: &Options) -> Re
     let free = super::Problem {
         sections: problem.sections.clone(),
         start: plant,
-        coordinates: all.iter().map(|p| super::Coordinate { parameter: *p, bounds: [f64::NEG_INFINITY, f64::INFINITY] }).collect(),
+        coordinates: all
+            .iter()
+            .map(|p| super::Coordinate { parameter: *p, bounds: [f64::NEG_INFINITY, f64::INFINITY] })
+            .collect(),
         ..problem
     };
     let at = free.at(&free.theta(&plant), &at.x0, &ar).ok_or_else(no_fit)?;
@@ -107,7 +114,13 @@ fn statement(quantities: &[Identifiable]) -> String {
         quantities
             .iter()
             .filter(|q| names.contains(&q.name.as_str()) && (of(q) <= 100.0 * UNDETERMINED) == tells)
-            .map(|q| if of(q) < 100.0 { format!("{} (± {:.2} %)", q.name, of(q)) } else { format!("{} (± more than 100 %)", q.name) })
+            .map(|q| {
+                if of(q) < 100.0 {
+                    format!("{} (± {:.2} %)", q.name, of(q))
+                } else {
+                    format!("{} (± more than 100 %)", q.name)
+                }
+            })
             .collect::<Vec<_>>()
             .join(", ")
     };

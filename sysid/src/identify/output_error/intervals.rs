@@ -94,5 +94,6 @@ fn white(errors: &[Vec<f64>], lags: usize, fitted: usize) -> bool {
     let statistic: f64 = (1..=lags.min(count / 4))
         .map(|lag| n * (n + 2.0) / (n - lag as f64) * (autocovariance(errors, lag) / power).powi(2))
         .sum();
-    ChiSquared::new(lags.saturating_sub(fitted).max(1) as f64).is_ok_and(|chi| statistic < chi.inverse_cdf(1.0 - NEEDLESS))
+    ChiSquared::new(lags.saturating_sub(fitted).max(1) as f64)
+        .is_ok_and(|chi| statistic < chi.inverse_cdf(1.0 - NEEDLESS))
 }

@@ -151,7 +151,8 @@ fn no_fit() -> Error {
 
 fn problem<'a>(pieces: &[Piece<'a>], start: &Plant, options: &Options) -> Result<Problem<'a>, Error> {
     let step = common_step(pieces)?;
-    let sections: Vec<Section<'a>> = pieces.iter().flat_map(|piece| sections(piece, options.use_supervised)).collect();
+    let sections: Vec<Section<'a>> =
+        pieces.iter().flat_map(|piece| sections(piece, options.use_supervised)).collect();
     let rows: usize = sections.iter().map(|s| s.rows.len()).sum();
     if rows < 100 {
         let found = format!("{rows} rows without supervision, in stretches of 40 or more");
@@ -160,7 +161,8 @@ fn problem<'a>(pieces: &[Piece<'a>], start: &Plant, options: &Options) -> Result
     let finite = |s: &Section| s.u.iter().chain(&s.y[s.rows.clone()]).all(|x| x.is_finite());
     let numbers = [start.inertia, start.dm_dq, start.dm_du, start.delay];
     if !sections.iter().all(finite) || !numbers.iter().all(|x| x.is_finite()) || start.inertia <= 0.0 {
-        let found = "an input, an output or a start that is no finite number, or an inertia that is not positive";
+        let found =
+            "an input, an output or a start that is no finite number, or an inertia that is not positive";
         return Err(Error::new(ErrorKind::Value, found, "correct the rows, or the model file"));
     }
     let mut coordinates = vec![
@@ -173,7 +175,10 @@ fn problem<'a>(pieces: &[Piece<'a>], start: &Plant, options: &Options) -> Result
     if let Some(range) = options.mount.filter(|_| start.mount.is_some()) {
         let mode = range.mode_hz.map(|hz| (TAU * hz).ln());
         coordinates.push(Coordinate { parameter: Parameter::MountMode, bounds: mode });
-        coordinates.push(Coordinate { parameter: Parameter::MountDamping, bounds: range.damping_ratio.map(f64::ln) });
+        coordinates.push(Coordinate {
+            parameter: Parameter::MountDamping,
+            bounds: range.damping_ratio.map(f64::ln),
+        });
     }
     let angle = options.output == Output::Angle;
     Ok(Problem { sections, start: *start, step, held_input: options.held_input, angle, coordinates })
@@ -332,7 +337,13 @@ fn estimate(problem: &Problem, at: &At, i: usize, deviation: f64) -> Estimate {
         Parameter::DmDu => ("dM_du", "N m/rad"),
         Parameter::Delay => ("delay", "s"),
         Parameter::MountMode => {
-            return Estimate::new("mount_mode", "Hz", at.theta[i].exp() / TAU, deviation, [low, high].map(|l| l.exp() / TAU));
+            return Estimate::new(
+                "mount_mode",
+                "Hz",
+                at.theta[i].exp() / TAU,
+                deviation,
+                [low, high].map(|l| l.exp() / TAU),
+            );
         }
         Parameter::MountDamping => {
             return Estimate::new("mount_zeta", "1", at.theta[i].exp(), deviation, [low, high].map(f64::exp));

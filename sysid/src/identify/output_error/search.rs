@@ -77,9 +77,10 @@ impl<'a> Problem<'a> {
                 _ => {}
             }
         }
-        plant.mount = plant.mount.zip(mode_and_damping).map(|(mount, [omega, damping])| {
-            Mount::from_mode(omega / TAU, damping, mount.inertia)
-        });
+        plant.mount = plant
+            .mount
+            .zip(mode_and_damping)
+            .map(|(mount, [omega, damping])| Mount::from_mode(omega / TAU, damping, mount.inertia));
         plant
     }
 
@@ -136,7 +137,11 @@ impl<'a> Problem<'a> {
     }
 
     pub fn sensitivities(&self, theta: &[f64], parameters: &[Parameter]) -> Sensitivities {
-        Sensitivities::new(&SampledPlant::new(&self.plant(theta), self.step, self.held_input), self.angle, parameters)
+        Sensitivities::new(
+            &SampledPlant::new(&self.plant(theta), self.step, self.held_input),
+            self.angle,
+            parameters,
+        )
     }
 
     /// The normal equations at `theta`, linearised about the initial states `x0`; `None` where the free run overflows.
