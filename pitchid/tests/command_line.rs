@@ -100,6 +100,9 @@ fn help_version_and_no_arguments() {
         &["diagnose", "identify", "simulate", "demo", "prove", "Exit status"],
     );
     for subcommand in ["diagnose", "identify", "simulate", "demo", "prove"] {
+        &["diagnose", "identify", "reproduce", "simulate", "demo", "Exit status"],
+    );
+    for subcommand in ["diagnose", "identify", "simulate", "demo"] {
         assert_names(&bench.answered(&[subcommand, "--help"]), &["Examples:", "Exit status"]);
     }
     assert_names(&bench.refused(&[]), &["Usage"]);
@@ -255,6 +258,28 @@ fn an_identification_compares_methods() {
     let json: Value =
         serde_json::from_str(&bench.answered(&["identify", "flight.csv", "--json", "-"])).unwrap();
     assert_eq!(json, found);
+}
+
+#[test]
+fn the_paper_is_reproduced_with_its_page_and_pictures() {
+    let bench = Bench::new();
+    let printed = bench.answered(&["reproduce", "paper", "--seeds", "1", "--out", "paper"]);
+    assert_names(&printed, &["nominal", "realistic", "PI-MOESP", "H∞ match", "ceiling", "64.4", "paper.md"]);
+    let figures = bench.json("paper/paper.json");
+    let studies = figures["studies"].as_array().unwrap();
+    for study in studies {
+        let seed = &study["seeds"][0];
+        assert!(seed["methods"].as_array().unwrap().len() >= 9, "{seed}");
+        assert!(seed["agreement_percent"].as_f64().unwrap() > 90.0);
+    }
+    let error = studies[0]["seeds"][0]["parameter_errors"][0]["dm_du_percent"].as_f64().unwrap();
+    assert!(error.abs() < 2.0, "the nominal plant is found: {error} %");
+    let page = bench.read("paper/paper.md");
+    for picture in ["figure6.svg", "figure7.svg", "figure8.svg", "bode.svg", "choice.svg"] {
+        assert!(page.contains(picture) && bench.read(&format!("paper/{picture}")).starts_with("<svg xmlns="));
+    }
+    assert_names(&bench.refused(&["reproduce"]), &["paper"]);
+    assert_names(&bench.refused(&["reproduce", "paper", "nowhere.csv"]), &["nowhere.csv", "no such file"]);
 }
 
 #[test]

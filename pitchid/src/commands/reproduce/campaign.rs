@@ -20,7 +20,9 @@ const VALIDATED: usize = 2;
 pub enum Condition {
     /// The plant of eq. 9 and white sensor noise.
     Nominal,
-    /// The same with servo lag, dry friction, a band-passed moment and more noise.
+    /// The same with servo lag, a band-passed moment and more noise.
+    Disturbed,
+    /// The same with dry friction, too.
     Realistic,
 }
 
@@ -29,6 +31,7 @@ impl Condition {
     pub fn told(self) -> &'static str {
         match self {
             Self::Nominal => "nominal: eq. 9, noise of 0.02 rad/s",
+            Self::Disturbed => "disturbed: servo lag 0.04 s, a coloured moment, noise of 0.08 rad/s",
             Self::Realistic => {
                 "realistic: servo lag 0.04 s, friction 0.06 N m, a coloured moment, noise of 0.08 rad/s"
             }
@@ -38,14 +41,15 @@ impl Condition {
     fn scenario(self, campaign: u8, amplitude: f32, seed: u64) -> Result<Scenario, Failure> {
         let plain = Scenario::campaign(campaign.into(), amplitude, seed)?;
         let noise = |q_rad_s| Noise { q_rad_s, theta_rad: 0.005, qdot_rad_s2: 0.5 };
+        let mut effects = vec![Setting::new("servo_lag", &[("T", 0.04)])?];
+        if self == Self::Realistic {
+            effects.push(Setting::new("coulomb_friction", &[("Mc", 0.06)])?);
+        }
         Ok(match self {
             Self::Nominal => Scenario { background: Background::None, noise: noise(0.02), ..plain },
-            Self::Realistic => Scenario {
+            Self::Disturbed | Self::Realistic => Scenario {
                 plant: Plant { delay_s: 0.05, ..plain.plant },
-                effects: vec![
-                    Setting::new("servo_lag", &[("T", 0.04)])?,
-                    Setting::new("coulomb_friction", &[("Mc", 0.06)])?,
-                ],
+                effects,
                 background: Background::Paper,
                 noise: noise(0.08),
                 ..plain

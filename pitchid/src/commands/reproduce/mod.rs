@@ -29,8 +29,8 @@ enum What {
 
 /// Table 2 and figures 6 to 8 of Riccardi, Panizza, Lovera (ERF 2014), over many simulated campaigns
 ///
-/// Flies three tests of rising amplitude for each seed, on the nominal plant and on one with servo lag, dry friction and a
-/// coloured moment. Every method learns from the first excitation of each; all are judged by the closed loop and by an unused
+/// Flies three tests of rising amplitude for each seed: on the nominal plant, on one with servo lag and a coloured moment, and on
+/// one with dry friction besides. Every method learns from the first excitation of each; all are judged by the closed loop and by an unused
 /// PRBS of the second test. Prints the median VAF with the range of the middle 80 % of the seeds beside the paper's figures.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         arguments.recordings.iter().map(|path| read_plain(path)).collect::<Result<Vec<_>, _>>()?;
     let progress = Progress::start("flying and identifying");
     let mut studies: Vec<Study> = Vec::new();
-    for condition in [Condition::Nominal, Condition::Realistic] {
+    for condition in [Condition::Nominal, Condition::Disturbed, Condition::Realistic] {
         studies.push(study(condition, arguments.campaign, arguments.seeds, &|what| progress.say(what))?);
     }
     progress.say("drawing the first realistic campaign");

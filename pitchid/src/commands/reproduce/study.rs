@@ -1,12 +1,18 @@
 //! Many seeds of one condition, and their summary.
 
-use super::campaign::{Condition, closed_loop_label, fly_campaign, prbs_label};
+use super::campaign::{Campaign, Condition, closed_loop_label, fly_campaign, prbs_label};
 use crate::failure::Failure;
+use estimator_core::convergence::ConvergenceConfig;
+use estimator_core::lms::LmsConfig;
 use host_sim::Plant;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicU32, Ordering};
 use sysid::identify::compare::{Settings, identify_on};
+use sysid::identify::fir::pieces;
+use sysid::identify::linear_model::LinearModel;
+use sysid::identify::lms::replay;
+use sysid::validate::vaf::vaf;
 
 /// Everything that was computed.
 #[derive(Serialize)]
@@ -100,6 +106,7 @@ fn one_seed(condition: Condition, campaign: u8, seed: u64) -> Result<SeedResult,
             MethodFigures { name, closed_loop: vaf(closed_loop_label()), prbs: vaf(prbs_label()) }
         })
         .collect();
+    methods.insert(0, slow_lms(&flown)?);
     let ceiling = |label: String| found.ceiling_vaf_percent.get(&label).copied();
     methods.push(MethodFigures {
         name: "ceiling".into(),
@@ -130,6 +137,26 @@ fn one_seed(condition: Condition, campaign: u8, seed: u64) -> Result<SeedResult,
         methods,
         agreement_percent: matched.and_then(|hinf| hinf.agreement_percent.get(&prbs_label()).copied()),
         parameter_errors: parameter_errors.into_iter().flatten().collect(),
+    })
+}
+
+/// The on-board estimator with a step of a tenth, which the excitation is too short for.
+fn slow_lms(flown: &Campaign) -> Result<MethodFigures, Failure> {
+    let usual = LmsConfig::default();
+    let slow = LmsConfig { step: 0.1 * usual.step, ..usual };
+    let training = pieces(&flown.data, &flown.split.training)?;
+    let found = replay::<60>(&training, &slow, &ConvergenceConfig::default())?;
+    let model = LinearModel::Impulse(found.fir);
+    let held_out = pieces(&flown.data, &flown.split.held_out)?;
+    let vaf_of = |label: String| {
+        let place = flown.split.held_out.iter().position(|p| p.label == label)?;
+        let piece = &held_out[place];
+        Some(vaf(&piece.y[piece.rows.clone()], &model.simulate(piece)?))
+    };
+    Ok(MethodFigures {
+        name: format!("LMS FIR, step {:.0e}", slow.step),
+        closed_loop: vaf_of(closed_loop_label()),
+        prbs: vaf_of(prbs_label()),
     })
 }
 
