@@ -15,7 +15,8 @@ pub fn campaign(kind: &str) -> Option<Vec<Recording>> {
     Some(["a012", "a015", "a019"].map(|a| read(&path(a), &ReadOptions::default()).unwrap()).into())
 }
 
-/// One section of a recording, as a piece of run number `run`.
+/// One section of a recording (not every test takes them apart), as a piece of run number `run`.
+#[allow(dead_code)]
 pub fn piece<'a>(recording: &'a Recording, section: &str, run: usize) -> Piece<'a> {
     let rows = recording.section(section).unwrap().rows.clone();
     let q = recording.q.as_deref().unwrap();

@@ -97,7 +97,8 @@ pub(super) fn subspace(work: &Work, delay: f64) -> [Subspace; 2] {
         (method, cross_validated(&work.training, 1..=5, 10..=50, &method))
     };
     let score = |chosen: &Result<Chosen, Error>| chosen.as_ref().map_or(0.0, |c| c.vaf_percent);
-    let whole = (delay / work.step + 1e-9) as usize;
+    // the nearest whole number: what is left of the delay would bias the match
+    let whole = (delay / work.step).round() as usize;
     let mut pi = behind(Instruments::PastInputs, whole);
     if whole > 0 && score(&pi.1) < DOUBTFUL {
         let prompt = behind(Instruments::PastInputs, 0);
