@@ -11,7 +11,11 @@
 //! | the impulse response that the autopilot would have estimated | [`identify::lms::replay`] |
 //! | a state space from an impulse response | [`identify::kung::realise`] |
 //! | an unstructured impulse response, and the best VAF that any linear model could reach | [`identify::fir`] |
-//! | the grey box by output-error maximum likelihood, beside the other methods | [`identify::compare::identify`] |
+//! | a state space from the data, order and block size by cross-validation | [`identify::cross_validation::cross_validated`] |
+//! | the grey box by maximum likelihood; its delay, and what the data cannot tell | [`identify::output_error`] |
+//! | the grey box nearest to a state space in the H∞ norm | [`identify::hinf_match::hinf_match`] |
+//! | all methods side by side, on sections that none has seen | [`identify::compare::identify`] |
+//! | whether errors are white, or hold something of the input; response and coherence without a model | [`validate`] |
 //! | what the user's simulation leaves out | [`diagnosis::diagnose`] |
 //!
 //! The symbols are those of [`model::grey_box`]. Every estimate is an [`estimate::Estimate`]: value, unit, interval.
