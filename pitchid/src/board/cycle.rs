@@ -112,7 +112,7 @@ mod tests {
     fn what_the_image_writes_is_what_is_read() {
         let cycle = Config::default().build::<60>().unwrap();
         let mut state = cycle.initial_state();
-        let sample = Sample { time_us: 40_000, q_rad_s: 0.25, theta_rad: -0.5 };
+        let sample = Sample { time_us: 40_000, q_rad_s: 0.25, theta_rad: -0.25 };
         let input = Input {
             tick: 2,
             now_us: 40_000,
@@ -123,8 +123,8 @@ mod tests {
         let told = cycle.step(&mut state, &input);
         let read = CycleReport::read(&firmware::link::telemetry::cycle_array(&told)).unwrap();
         assert_eq!((read.time_us, read.tick, read.section), (40_000, 2, "-"));
-        assert_eq!((read.phase, read.supervised), (Phase::Recovering, told.supervised));
-        assert_eq!(read.sample, Some([0.25, -0.5]));
+        assert_eq!((read.phase, read.supervised), (Phase::Exciting, told.supervised));
+        assert_eq!(read.sample, Some([0.25, -0.25]));
         assert_eq!(
             (read.u_rad, read.excitation_rad, read.theta_ref_rad),
             (told.u_rad, told.excitation_rad, 0.0)
