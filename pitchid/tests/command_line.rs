@@ -97,12 +97,9 @@ fn help_version_and_no_arguments() {
     assert!(bench.answered(&["--version"]).starts_with("pitchid "));
     assert_names(
         &bench.answered(&["--help"]),
-        &["diagnose", "identify", "simulate", "demo", "prove", "Exit status"],
+        &["diagnose", "identify", "reproduce", "simulate", "demo", "prove", "fly", "record", "Exit status"],
     );
     for subcommand in ["diagnose", "identify", "simulate", "demo", "prove"] {
-        &["diagnose", "identify", "reproduce", "simulate", "demo", "Exit status"],
-    );
-    for subcommand in ["diagnose", "identify", "simulate", "demo"] {
         assert_names(&bench.answered(&[subcommand, "--help"]), &["Examples:", "Exit status"]);
     }
     assert_names(&bench.refused(&[]), &["Usage"]);

@@ -13,6 +13,8 @@ const LINES: [f64; 2] = [0.8, 40.0];
 
 /// Odds of a burst by chance in one recording.
 const ODDS: f64 = 1e-3;
+/// Power of a burst relative to the median window below which it may be the background's own unevenness.
+const STRONG: f64 = 4.0;
 /// Height of a spectral line that neither chance nor a resonant background reaches.
 const LINE: f64 = 25.0;
 /// Kurtosis that innovations of Gaussian noise never reach in a recording of usual length.
@@ -60,7 +62,7 @@ impl Goodness {
     /// A moment in a window of time or of one frequency, if there is one.
     pub fn departure(&self) -> Option<Departure> {
         let Burst { ratio, score, windows } = &self.burst;
-        if *score > 1.0 {
+        if *score > 1.0 && *ratio > STRONG {
             let told: Vec<String> = windows.iter().map(|[a, b]| format!("{a:.0} to {b:.0} s")).collect();
             return Some(Departure {
                 words: format!(

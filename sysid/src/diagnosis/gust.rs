@@ -146,5 +146,5 @@ fn sensor_noise(problem: &Problem<'_>, fit: &Fit) -> Option<f64> {
     let first = if problem.data.has_rate { rate } else { angle };
     let residuals = &fit.minimum.residuals;
     let variance = residuals.iter().map(|e| e[0] * e[0]).sum::<f64>() / residuals.len().max(1) as f64;
-    Some((variance * (1.0 - gain.first()?[first]).max(0.0)).sqrt())
+    Some((variance * (1.0 - gain.begin.first()?[first]).max(0.0)).sqrt())
 }

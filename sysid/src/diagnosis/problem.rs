@@ -5,8 +5,8 @@ use super::effects::Effect;
 use crate::dataset::{Amplitudes, Dataset, Place};
 use crate::diagnosis::effects::Scale;
 use crate::identify::levenberg_marquardt::Coordinate;
-use crate::model::grey_box::{Disturbance, Mount, Plant, State};
-use crate::model::pitch::{Output, PitchModel, Point, Term};
+use crate::model::grey_box::{Disturbance, Mount, Plant};
+use crate::model::pitch::{Gains, Output, PitchModel, Point, Term};
 
 /// The data with what is counted of them.
 pub struct Problem<'a> {
@@ -246,7 +246,7 @@ impl<'a> Problem<'a> {
         mut visit: impl FnMut(usize, usize, &Point),
         take: &mut dyn FnMut(usize, Vec<Output>),
     ) -> Option<()> {
-        let mut sampled: Option<(f64, PitchModel<'_>, Vec<State>)> = None;
+        let mut sampled: Option<(f64, PitchModel<'_>, Gains)> = None;
         for (index, run) in self.data.runs.iter().enumerate() {
             if !sampled.as_ref().is_some_and(|(step, ..)| *step == run.step) {
                 let model = self.model(unpacked, run.step)?;

@@ -39,6 +39,15 @@ pub struct Point {
     own: [f64; OWN_STATES],
 }
 
+/// Kalman gains of the predictor, one column per measured channel.
+#[derive(Clone, Debug)]
+pub struct Gains {
+    /// With the plant as it is at first.
+    pub begin: Vec<State>,
+    /// With the inertia that an effect leaves, from the moment on that it changes.
+    changed: Option<Vec<State>>,
+}
+
 /// Output of the model at one sample: pitch rate in rad/s and pitch angle in rad, as the sensors show them.
 pub type Output = [f64; 2];
 
@@ -149,8 +158,23 @@ impl<'a> PitchModel<'a> {
         self.measured
     }
 
-    /// Kalman gain for the outputs that `run` has, under the noise model `disturbance`.
-    pub fn gain(&self, disturbance: &Disturbance, run: &Run) -> Option<Vec<State>> {
+    /// Kalman gains for the outputs that `run` has, under the noise model `disturbance`.
+    pub fn gain(&self, disturbance: &Disturbance, run: &Run) -> Option<Gains> {
+        let begin = self.steady(disturbance, run)?;
+        let factor = self.inertia_factor(&Conditions { t: f64::MAX, dt: self.step, ..self.conditions() });
+        if factor == 1.0 {
+            return Some(Gains { begin, changed: None });
+        }
+        let plant = Plant { inertia: factor * self.plant.inertia, ..self.plant };
+        let later = PitchModel::new(&plant, &[], disturbance, self.step, &self.sizes)?;
+        Some(Gains { begin, changed: Some(later.steady(disturbance, run)?) })
+    }
+
+    fn inertia_factor(&self, at: &Conditions) -> f64 {
+        self.terms.iter().map(|term| term.effect.inertia(&term.values, at)).product()
+    }
+
+    fn steady(&self, disturbance: &Disturbance, run: &Run) -> Option<Vec<State>> {
         let mut over_sample = StateMatrix::identity();
         for _ in 0..self.substeps {
             over_sample = self.transition * over_sample;
@@ -292,6 +316,10 @@ impl<'a> PitchModel<'a> {
         (moment, angle_rate)
     }
 
+    fn changed(&self, t: f64) -> bool {
+        self.inertia_factor(&Conditions { t, dt: self.step, ..self.conditions() }) != 1.0
+    }
+
     /// Free run: simulates rows `rows` of `run` from `point`, the state at the first of them.
     pub fn simulate(
         &self,
@@ -309,18 +337,22 @@ impl<'a> PitchModel<'a> {
         Some(outputs)
     }
 
-    /// Innovations e = y − ŷ of the predictor with `gain` over the whole of `run`; channels without a measurement give
+    /// Innovations e = y − ŷ of the predictor with `gains` over the whole of `run`; channels without a measurement give
     /// zero. `visit` sees the corrected state of every row.
     pub fn innovations(
         &self,
         run: &Run,
-        gain: &[State],
+        gains: &Gains,
         mut visit: impl FnMut(usize, &Point),
     ) -> Option<Vec<Output>> {
         let mut point = self.start(run);
         let mut innovations = Vec::with_capacity(run.len());
         for k in 0..run.len() {
             let expected = self.output(&point);
+            let gain = match &gains.changed {
+                Some(later) if self.changed(run.time(k)) => later,
+                _ => &gains.begin,
+            };
             let mut e = [0.0; 2];
             let mut column = 0;
             for (channel, signal) in [&run.rate, &run.angle].into_iter().enumerate() {
