@@ -197,9 +197,10 @@ impl Running {
         self.vehicle.emit(&telemetry);
         let (mut bytes, taps) = (Vec::new(), *self.state.taps());
         self.ground.report(&telemetry, || taps, &mut |frame| bytes.extend_from_slice(frame));
-        let written = self.write(&bytes);
-        let mut sent = self.sent.lock().unwrap();
-        if written {
+        // held while writing, so that nobody sees a cycle recorded before it is counted as sent
+        let sent = Arc::clone(&self.sent);
+        let mut sent = sent.lock().unwrap();
+        if self.write(&bytes) {
             sent.cycles.push(telemetry);
         }
         if telemetry.phase.runs() {
