@@ -93,3 +93,16 @@ fn a_coloured_disturbance_is_no_mismatch() {
     });
     assert!(right >= 19);
 }
+
+#[test]
+fn what_no_catalogue_lists_is_called_unlisted() {
+    const OUTSIDE: [&str; 4] =
+        ["vibration_rectification", "periodic_moment", "gust_burst", "hysteretic_spring"];
+    let outside = |seed: u64| {
+        let setting = Setting::usual(OUTSIDE[seed as usize], true).expect("the simulator knows it");
+        let bare = scenario(400 + seed, Background::Clean);
+        (Scenario { effects: vec![setting], ..bare }, format!("({})", OUTSIDE[seed as usize]))
+    };
+    let right = tally("outside", OUTSIDE.len() as u64, outside, |answer| answer.verdict == Verdict::Unlisted);
+    assert!(right >= 3);
+}

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 /// The answer, with what a report shows beside it.
 pub fn account(judgement: &Judgement<'_, '_>, notes: Vec<String>) -> Diagnosis {
     let Judgement { problem, split, baseline, extended, .. } = judgement;
-    let ceiling = ceilings(problem, split, extended);
+    let ceiling = ceilings(problem, split, judgement.simulated());
     let verdict = judgement.verdict(&ceiling);
     let simulated = judgement.simulated();
     let fit = FitAnswer {

@@ -345,3 +345,40 @@ impl Effect for Anonymous {
         [y[0] + self.sum(p, &signals), y[1]]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::effects::find;
+
+    #[test]
+    fn ids_are_unique_and_no_effect_of_the_catalogue_has_one() {
+        for (i, term) in ANONYMOUS.iter().enumerate() {
+            assert!(ANONYMOUS[..i].iter().all(|other| other.id != term.id));
+            assert!(find(term.id).is_none() && term.count <= MOST);
+            let used = (term.shapes)(&Signals { x: 0.7, y: -0.4, v: 1.0, t: 0.3, memory: [0.2, 0.3, 0.4] });
+            assert!(used[term.count..].iter().all(|shape| *shape == 0.0), "{}", term.id);
+        }
+    }
+
+    #[test]
+    fn roofs_add_up_to_one_at_any_time() {
+        for t in [0.0, 0.13, 0.5, 0.99, 1.0] {
+            assert!((roofs(t).iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_slipping_spring_turns_round_with_its_stiffness_and_slides_at_its_limit() {
+        let term = ANONYMOUS.iter().find(|term| term.id == "hysteresis").unwrap();
+        let update = term.memory.unwrap();
+        let mut memory = [0.0; 3];
+        let mut to = |y: f64| {
+            update(&mut memory, &Signals { y, ..Signals::default() }, 0.02);
+            memory[0]
+        };
+        assert_eq!(to(1.0), 0.2);
+        assert!((to(0.9) - 0.1).abs() < 1e-12);
+        assert_eq!(to(-1.0), -0.2);
+    }
+}

@@ -92,7 +92,7 @@ pub fn goodness(problem: &Problem<'_>, fit: &Fit) -> Option<Goodness> {
     let innovations: Vec<f64> = fit.minimum.residuals.iter().map(|e| e[0]).collect();
     Some(Goodness {
         kurtosis: kurtosis(&innovations),
-        line: line(problem, &innovations),
+        line: line_of(&innovations, problem.sizes.step),
         burst: burst(problem, fit)?,
     })
 }
@@ -105,8 +105,7 @@ fn kurtosis(values: &[f64]) -> f64 {
 }
 
 /// Fisher's statistic (Fisher, 1929) over the ordinates between [`LINES`].
-fn line(problem: &Problem<'_>, innovations: &[f64]) -> (f64, f64) {
-    let step = problem.sizes.step;
+fn line_of(innovations: &[f64], step: f64) -> (f64, f64) {
     let resolution = std::f64::consts::TAU / (innovations.len() as f64 * step);
     let count = ((LINES[1].min(0.8 * std::f64::consts::PI / step) - LINES[0]) / resolution).max(1.0) as usize;
     let power = |omega: f64| {
@@ -174,4 +173,45 @@ fn joined(windows: &[[f64; 2]]) -> Vec<[f64; 2]> {
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    /// Sums of twelve uniform numbers: kurtosis 3 − 1.2/12.
+    fn noise(count: usize) -> Vec<f64> {
+        let mut random = Pcg64::seed_from_u64(3);
+        (0..count).map(|_| (0..12).map(|_| random.random::<f64>() - 0.5).sum()).collect()
+    }
+
+    #[test]
+    fn outliers_show_in_the_kurtosis_and_noise_does_not() {
+        let mut values = noise(4000);
+        assert!((kurtosis(&values) - 2.9).abs() < 0.2, "{}", kurtosis(&values));
+        values.iter_mut().step_by(100).for_each(|v| *v *= 6.0);
+        assert!(kurtosis(&values) > HEAVY);
+    }
+
+    #[test]
+    fn a_line_is_found_at_its_frequency_and_noise_has_none() {
+        let step = 0.02;
+        let mut values = noise(4000);
+        assert!(line_of(&values, step).0 < 13.0);
+        for (k, v) in values.iter_mut().enumerate() {
+            *v += 0.3 * (7.0 * step * k as f64).sin();
+        }
+        let (height, omega) = line_of(&values, step);
+        assert!(height > LINE && (omega - 7.0).abs() < 0.1, "{height} {omega}");
+    }
+
+    #[test]
+    fn independent_values_count_one_each_and_windows_that_touch_are_one() {
+        let moments: Vec<(f64, f64)> =
+            noise(4000).into_iter().enumerate().map(|(k, m)| (k as f64, m)).collect();
+        assert!((correlated(&moments, 10) - 1.0).abs() < 0.05);
+        assert_eq!(joined(&[[0.0, 3.0], [3.02, 6.0], [9.0, 12.0]]), vec![[0.0, 6.0], [9.0, 12.0]]);
+    }
 }

@@ -28,6 +28,8 @@ const LEAST_SCORE: f64 = 2.0;
 const BACKGROUND_RATIO: f64 = 0.35;
 /// A gust whose ln σ is known no better than this is not told from the background's own spectrum.
 const WIDEST: f64 = 1.0;
+/// A moment slower than this share of the data is a drift, of which no spectrum is seen.
+const LONGEST_SHARE: f64 = 0.1;
 /// A gust weaker than this share of the control moment is an ordinary background.
 const MILD: f64 = 0.05;
 
@@ -51,7 +53,8 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     let sigma = told.log_sigma.exp() * sensor_noise(problem, fit)?;
     let errors = standard_errors(problem, fit)?;
     let score = (told.log_ratio - BACKGROUND_RATIO.ln()) / errors.log_ratio;
-    let clear = told.log_ratio > LEAST_RATIO.ln() && score > LEAST_SCORE;
+    let slowest = LONGEST_SHARE * problem.sizes.duration;
+    let clear = told.log_ratio > LEAST_RATIO.ln() && score > LEAST_SCORE && (-told.log_pole).exp() < slowest;
     if !clear || errors.log_sigma > WIDEST || sigma < MILD * problem.sizes.moment {
         return None;
     }
@@ -147,4 +150,38 @@ fn sensor_noise(problem: &Problem<'_>, fit: &Fit) -> Option<f64> {
     let residuals = &fit.minimum.residuals;
     let variance = residuals.iter().map(|e| e[0] * e[0]).sum::<f64>() / residuals.len().max(1) as f64;
     Some((variance * (1.0 - gain.begin.first()?[first]).max(0.0)).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_spectrum_is_the_sum_of_its_gust_and_its_background() {
+        let disturbance = Disturbance { intensity: 3.0, slow: 0.8, fast: 6.6, zero: 2.2, angle_noise: 1.0 };
+        let Told { log_sigma, log_pole, .. } = Told::of(&disturbance);
+        let a = log_pole.exp();
+        let gust = 2.0 * a * (2.0 * log_sigma).exp();
+        for omega in [0.1_f64, 0.5, 2.0, 10.0] {
+            let square = omega * omega;
+            let (slow, fast) = (a * a + square, 6.6 * 6.6 + square);
+            let whole = gust / slow + (9.0 - gust) * square / (slow * fast);
+            assert!((whole / disturbance.spectrum(omega) - 1.0).abs() < 1e-12, "{omega}");
+        }
+    }
+
+    #[test]
+    fn the_order_of_the_poles_does_not_matter() {
+        let one = Disturbance { intensity: 3.0, slow: 0.8, fast: 6.6, zero: 2.2, angle_noise: 1.0 };
+        let other = Disturbance { slow: 6.6, fast: 0.8, ..one };
+        let (one, other) = (Told::of(&one), Told::of(&other));
+        assert_eq!((one.log_sigma, one.log_pole), (other.log_sigma, other.log_pole));
+    }
+
+    #[test]
+    fn a_background_has_little_power_at_low_frequencies() {
+        let band = Disturbance { intensity: 1.0, slow: 1.2, fast: 12.0, zero: 0.01, angle_noise: 1.0 };
+        assert!(Told::of(&band).log_ratio < BACKGROUND_RATIO.ln());
+        assert!(Told::of(&Disturbance { zero: 2.2, ..band }).log_ratio > LEAST_RATIO.ln());
+    }
 }
