@@ -11,7 +11,7 @@ use super::rank::{DETECTION, Finding, Selection, without};
 use super::unlisted::{Leftover, leftover};
 use std::collections::BTreeMap;
 
-/// Where nothing is found at all, a mean distance of the sections that were fitted on to their ceilings beyond this, in
+/// Where nothing is found for certain, a mean distance of the sections that were fitted on to their ceilings beyond this, in
 /// points of VAF, says that physics is missing all the same. The ceiling is fitted to each section itself and so lies a
 /// few points too high under strong disturbance.
 const UNEXPLAINED_POINTS: f64 = 12.0;
@@ -81,8 +81,10 @@ impl<'p, 'd> Judgement<'p, 'd> {
 
     /// `ceiling` is the best VAF that any model reaches, section by section.
     pub fn verdict(&self, ceiling: &BTreeMap<String, f64>) -> Verdict {
-        let structure = self.unlisted.is_some() || self.departure.is_some();
-        if structure || self.gap_to(ceiling) > UNEXPLAINED_POINTS {
+        // An unstable vehicle has no free run to speak of: where effects are found, a gap alone does not unmake them.
+        let doubtful = self.findings.is_empty() || self.heavy_tails;
+        let far = doubtful && self.gap_to(ceiling) > UNEXPLAINED_POINTS;
+        if self.unlisted.is_some() || self.departure.is_some() || far {
             return Verdict::Unlisted;
         }
         if self.findings.is_empty() && self.gust.is_none() {

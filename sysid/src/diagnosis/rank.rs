@@ -8,7 +8,9 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// An effect is added when it lowers the BIC by more than this. Calibrated on simulated recordings without any
 /// effect, at all levels of disturbance.
-pub const DETECTION: f64 = 8.0;
+pub const DETECTION: f64 = 10.0;
+/// A further effect beside one that was found needs more: the first one's equation is idealised, and small terms mend it.
+const FURTHER: f64 = 14.0;
 /// An effect stays when taking it out raises the BIC by more than this.
 const RETENTION: f64 = 6.0;
 /// Candidates from whose values the baseline is fitted again.
@@ -59,8 +61,9 @@ pub fn select(problem: &Problem<'_>, progress: &(dyn Fn(&str) + Sync)) -> Option
             baseline = current.clone();
             first_round.clone_from(&fits);
         }
+        let needed = if round == 0 { DETECTION } else { FURTHER };
         let Some(best) =
-            fits.into_iter().next().filter(|fit| current.bic(problem) - fit.bic(problem) > DETECTION)
+            fits.into_iter().next().filter(|fit| current.bic(problem) - fit.bic(problem) > needed)
         else {
             break;
         };
