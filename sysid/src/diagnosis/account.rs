@@ -67,18 +67,21 @@ pub fn account(judgement: &Judgement<'_, '_>, notes: Vec<String>) -> Diagnosis {
 }
 
 impl Judgement<'_, '_> {
-    /// Where the parameters of the effect stand in the extended model's list, which has no noise model.
-    fn own_parameters(&self, id: &str) -> core::ops::Range<usize> {
+    /// Values of the parameters of the effect called `id` in the extended model.
+    fn values_of(&self, id: &str) -> &[f64] {
         let fit = &self.extended.fit;
-        let Some(position) = fit.ids().iter().position(|other| *other == id) else { return 0..0 };
-        let own = fit.own_range(self.problem, position);
-        let noise = self.problem.noise_unknowns();
-        own.start - noise..own.end - noise
+        let own = fit.range_of(self.problem, id);
+        own.and_then(|own| fit.minimum.values.get(own)).unwrap_or_default()
     }
 
     fn effects(&self, fit: &FitAnswer) -> Vec<EffectAnswer> {
-        let own =
-            |id: &str| fit.extended.parameters.get(self.own_parameters(id)).unwrap_or_default().to_vec();
+        // The extended model's list has no noise model.
+        let noise = self.problem.noise_unknowns();
+        let own = |id: &str| {
+            let range = self.extended.fit.range_of(self.problem, id);
+            let range = range.map(|own| own.start - noise..own.end - noise);
+            range.and_then(|own| fit.extended.parameters.get(own)).unwrap_or_default().to_vec()
+        };
         let mut effects = Vec::new();
         if let Some(found) = &self.unlisted {
             effects.push(EffectAnswer { parameters: own(found.term.about().id), ..self.described(found) });
@@ -120,13 +123,7 @@ impl Judgement<'_, '_> {
 
     fn described(&self, found: &Leftover) -> EffectAnswer {
         let term: &Anonymous = found.term;
-        let fit = &self.extended.fit;
-        let values = fit
-            .ids()
-            .iter()
-            .position(|id| *id == term.about().id)
-            .and_then(|i| fit.minimum.values.get(fit.own_range(self.problem, i)))
-            .unwrap_or_default();
+        let values = self.values_of(term.about().id);
         EffectAnswer {
             id: "unlisted".into(),
             locus: term.about().locus,
@@ -190,12 +187,10 @@ impl Judgement<'_, '_> {
 
     /// From the moment on that an effect begins at to the end of the data, where an effect has such a moment.
     fn since(&self) -> Option<Vec<[f64; 2]>> {
-        let fit = &self.extended.fit;
         let begin = self.findings.iter().find_map(|finding| {
             let names = finding.effect.parameters(&self.problem.sizes);
             let i = names.iter().position(|p| p.name == "t_star")?;
-            let position = fit.ids().iter().position(|id| *id == finding.effect.about().id)?;
-            fit.minimum.values.get(fit.own_range(self.problem, position).start + i).copied()
+            self.values_of(finding.effect.about().id).get(i).copied()
         })?;
         let ends = self.problem.data.runs.iter().map(|run| run.time(run.len().saturating_sub(1)));
         Some(vec![[begin, ends.fold(begin, f64::max)]])

@@ -3,7 +3,6 @@
 use super::problem::Problem;
 use super::search::Fit;
 use super::words::digits;
-use crate::model::grey_box::DISTURBANCE;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Length of the windows whose power is compared, s.
@@ -49,8 +48,6 @@ pub struct Departure {
     pub words: String,
     /// Windows of time, s; empty for the whole recording.
     pub windows: Vec<[f64; 2]>,
-    /// Band, rad/s, where there is one.
-    pub band: Option<[f64; 2]>,
 }
 
 impl Goodness {
@@ -71,7 +68,6 @@ impl Goodness {
                     digits(*ratio)
                 ),
                 windows: windows.clone(),
-                band: None,
             });
         }
         let (height, omega) = self.line;
@@ -82,7 +78,6 @@ impl Goodness {
                 digits(height)
             ),
             windows: Vec::new(),
-            band: Some([0.9 * omega, 1.1 * omega]),
         })
     }
 }
@@ -129,14 +124,12 @@ fn line_of(innovations: &[f64], step: f64) -> (f64, f64) {
 /// 1/[`ODDS`] recordings: a window holds as many independent values as the moment's own correlation leaves in it.
 fn burst(problem: &Problem<'_>, fit: &Fit) -> Option<Burst> {
     let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
-    let zero = unpacked.disturbance.zero;
     let mut moments: Vec<(f64, f64)> = Vec::new();
     problem.track(
         &unpacked,
         |run, k, point| {
             if problem.counted[run][k] {
-                let moment = zero * point.x[DISTURBANCE] + point.x[DISTURBANCE + 1];
-                moments.push((problem.data.runs[run].time(k), moment));
+                moments.push((problem.data.runs[run].time(k), unpacked.disturbance.moment(&point.x)));
             }
         },
         &mut |_, _| {},

@@ -38,8 +38,6 @@ const MILD: f64 = 0.05;
 pub struct Gust {
     /// σ in N m and T in s.
     pub parameters: Vec<Estimate>,
-    /// Power in the low band relative to the high band.
-    pub ratio: f64,
     /// Standard errors by which the logarithm of the ratio exceeds that of a background.
     pub score: f64,
     /// Odds of so large a ratio if the disturbance were an ordinary background.
@@ -50,12 +48,19 @@ pub struct Gust {
 pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
     let told = Told::of(&unpacked.disturbance);
+    let time = (-told.log_pole).exp();
+    let slow = told.log_ratio > LEAST_RATIO.ln() && time < LONGEST_SHARE * problem.sizes.duration;
+    if !slow {
+        return None;
+    }
     let sigma = told.log_sigma.exp() * sensor_noise(problem, fit)?;
+    if sigma < MILD * problem.sizes.moment {
+        return None;
+    }
     let errors = standard_errors(problem, fit)?;
     let score = (told.log_ratio - BACKGROUND_RATIO.ln()) / errors.log_ratio;
-    let slowest = LONGEST_SHARE * problem.sizes.duration;
-    let clear = told.log_ratio > LEAST_RATIO.ln() && score > LEAST_SCORE && (-told.log_pole).exp() < slowest;
-    if !clear || errors.log_sigma > WIDEST || sigma < MILD * problem.sizes.moment {
+    let sure = score > LEAST_SCORE && errors.log_sigma <= WIDEST;
+    if !sure {
         return None;
     }
     let estimate = |name: &str, unit: &str, value: f64, error: f64, bounds: [f64; 2]| {
@@ -68,15 +73,8 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     Some(Gust {
         parameters: vec![
             estimate("sigma", "N m", sigma, errors.log_sigma, [0.0, largest]),
-            estimate(
-                "T",
-                "s",
-                (-told.log_pole).exp(),
-                errors.log_pole,
-                [problem.sizes.step, problem.sizes.duration],
-            ),
+            estimate("T", "s", time, errors.log_pole, [problem.sizes.step, problem.sizes.duration]),
         ],
-        ratio: told.log_ratio.exp(),
         score,
         p_value: 0.5 * statrs::function::erf::erfc(score / std::f64::consts::SQRT_2),
     })

@@ -5,7 +5,6 @@ use super::free_run::{judged_channel, simulate, starting_points};
 use super::problem::Problem;
 use super::search::Fit;
 use crate::dataset::Place;
-use crate::model::grey_box::DISTURBANCE;
 use nalgebra::Matrix2;
 
 /// Classes into which a variable is cut for its dependence.
@@ -143,7 +142,6 @@ pub fn dependences(problem: &Problem<'_>, baseline: &Fit) -> Vec<Dependence> {
     let mut moment = Vec::new();
     let mut variables = Variables::default();
     let unpacked = problem.unpack(&baseline.effects, &baseline.minimum.values);
-    let disturbance = unpacked.disturbance;
     let delay = (unpacked.plant.delay / problem.sizes.step).round() as usize;
     let memory = (CORRELATION_S / problem.sizes.step).ceil() as usize;
     let tracked = problem.track(
@@ -153,7 +151,7 @@ pub fn dependences(problem: &Problem<'_>, baseline: &Fit) -> Vec<Dependence> {
                 let u = &problem.data.runs[run].u;
                 let now = u[k.saturating_sub(delay)];
                 let before = u[k.saturating_sub(delay + memory)];
-                moment.push(disturbance.zero * point.x[DISTURBANCE] + point.x[DISTURBANCE + 1]);
+                moment.push(unpacked.disturbance.moment(&point.x));
                 let (q, theta) = (point.x[0], point.x[2]);
                 variables.push([now, now - before, q, theta, problem.data.runs[run].time(k)]);
             }

@@ -171,14 +171,19 @@ fn finding(
     let total = 1.0 + weight(rest) + candidates.iter().map(weight).sum::<f64>();
     let mut rivals: Vec<(f64, Fit)> = candidates.into_iter().map(|fit| (weight(&fit) / total, fit)).collect();
     rivals.retain(|(probability, _)| *probability >= PLAUSIBLE);
-    let parameters = effect.parameters(&problem.sizes).len() as f64;
-    let gain = (rest.criterion() - extended.criterion()).max(0.0);
+    let parameters = effect.parameters(&problem.sizes).len();
+    let gain = rest.criterion() - extended.criterion();
     Finding {
         effect,
         probability: 1.0 / total,
         rivals: rivals.iter().filter_map(|(p, fit)| Some((*fit.effects.last()?, *p))).collect(),
         rival_fits: rivals.into_iter().map(|(_, fit)| fit).collect(),
         delta_bic: rest.bic(problem) - best,
-        p_value: ChiSquared::new(parameters).map_or(1.0, |chi| chi.sf(gain)),
+        p_value: odds(gain, parameters),
     }
+}
+
+/// Odds of a gain of 2 log likelihood of `gain` or more by chance, with `parameters` more (likelihood ratio, χ²).
+pub fn odds(gain: f64, parameters: usize) -> f64 {
+    ChiSquared::new(parameters as f64).map_or(1.0, |chi| chi.sf(gain.max(0.0)))
 }

@@ -46,6 +46,12 @@ impl Fit {
         first..first + count(&self.effects[i])
     }
 
+    /// Where the parameters of the effect called `id` stand among all unknowns; `None` where the fit has no such effect.
+    pub fn range_of(&self, problem: &Problem<'_>, id: &str) -> Option<core::ops::Range<usize>> {
+        let position = self.effects.iter().position(|effect| effect.about().id == id)?;
+        Some(self.own_range(problem, position))
+    }
+
     /// The ids of the effects.
     pub fn ids(&self) -> Vec<&'static str> {
         self.effects.iter().map(|e| e.about().id).collect()

@@ -3,10 +3,9 @@
 use super::anonymous::{ANONYMOUS, Anonymous};
 use super::effects::Effect;
 use super::problem::Problem;
-use super::rank::Selection;
+use super::rank::{Selection, odds};
 use super::search::{Fit, refit, screen};
 use rayon::prelude::*;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Terms that are fitted to the end, of all that were screened.
 const FITTED: usize = 2;
@@ -35,11 +34,10 @@ pub fn leftover(problem: &Problem<'_>, selection: &Selection) -> Option<Leftover
     let instead = if findings.is_empty() { None } else { best(problem, baseline) };
     let total = baseline.criterion() - with.criterion();
     let own = named.criterion() - with.criterion();
-    let count = term.parameters(&problem.sizes).len() as f64;
     Some(Leftover {
         delta_bic: named.bic(problem) - with.bic(problem),
         share: if total > 0.0 { own / total } else { 0.0 },
-        p_value: ChiSquared::new(count).map_or(1.0, |chi| chi.sf(own.max(0.0))),
+        p_value: odds(own, term.parameters(&problem.sizes).len()),
         term,
         with,
         instead,

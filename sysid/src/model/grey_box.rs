@@ -119,6 +119,11 @@ pub struct Disturbance {
 }
 
 impl Disturbance {
+    /// The moment M_w at state `x`, N m.
+    pub fn moment(&self, x: &State) -> f64 {
+        self.zero * x[DISTURBANCE] + x[DISTURBANCE + 1]
+    }
+
     /// Spectral density of the moment at `omega` rad/s, up to the scale of the noise.
     pub fn spectrum(&self, omega: f64) -> f64 {
         let square = |x: f64| x * x;

@@ -7,6 +7,8 @@ use super::grey_box::{
     DISTURBANCE, Disturbance, GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU,
 };
 use super::kalman::{Channel, steady_gain};
+use super::shift::Shift;
+use super::transition::Transition;
 use crate::dataset::{Amplitudes, Run};
 use crate::diagnosis::effects::{Conditions, Effect};
 use nalgebra::{RowSVector, SMatrix};
@@ -55,8 +57,8 @@ pub type Output = [f64; 2];
 pub struct PitchModel<'a> {
     plant: Plant,
     terms: &'a [Term],
-    /// Over one substep.
-    transition: StateMatrix,
+    /// Over a whole sample.
+    over_sample: StateMatrix,
     /// Over one substep, for the inner loop.
     substep: Transition,
     /// Over a whole sample, for the inner loop.
@@ -132,7 +134,7 @@ impl<'a> PitchModel<'a> {
         Some(Self {
             plant,
             terms,
-            transition,
+            over_sample,
             substep: Transition::new(&transition),
             sample: Transition::new(&over_sample),
             per_moment,
@@ -175,10 +177,7 @@ impl<'a> PitchModel<'a> {
     }
 
     fn steady(&self, disturbance: &Disturbance, run: &Run) -> Option<Vec<State>> {
-        let mut over_sample = StateMatrix::identity();
-        for _ in 0..self.substeps {
-            over_sample = self.transition * over_sample;
-        }
+        let mut over_sample = self.over_sample;
         let mut drive = State::zeros();
         drive[DISTURBANCE + 1] = disturbance.intensity * (self.step / 2.0).sqrt();
         let later = over_sample * drive;
@@ -372,74 +371,9 @@ impl<'a> PitchModel<'a> {
     }
 }
 
-/// A state matrix by columns, the disturbance's block apart: it acts on the plant, the plant never on it.
-struct Transition {
-    on_plant: [[f64; DISTURBANCE]; STATES],
-    on_disturbance: [[f64; 2]; 2],
-}
-
-impl Transition {
-    fn new(matrix: &StateMatrix) -> Self {
-        Self {
-            on_plant: core::array::from_fn(|j| core::array::from_fn(|i| matrix[(i, j)])),
-            on_disturbance: core::array::from_fn(|j| {
-                core::array::from_fn(|i| matrix[(DISTURBANCE + i, DISTURBANCE + j)])
-            }),
-        }
-    }
-
-    fn apply(&self, x: &State) -> State {
-        let mut plant = [0.0; DISTURBANCE];
-        for (column, &x) in self.on_plant.iter().zip(x.iter()) {
-            for (sum, &entry) in plant.iter_mut().zip(column) {
-                *sum += entry * x;
-            }
-        }
-        let [a, b] = self.on_disturbance;
-        let (slow, fast) = (x[DISTURBANCE], x[DISTURBANCE + 1]);
-        let [q, q_imu, theta, theta_imu, gyro] = plant;
-        let disturbance = [a[0] * slow + b[0] * fast, a[1] * slow + b[1] * fast];
-        State::from([q, q_imu, theta, theta_imu, gyro, disturbance[0], disturbance[1]])
-    }
-}
-
 /// Delay that the terms add, s.
 fn later(terms: &[Term], at: &Conditions) -> f64 {
     terms.iter().map(|term| term.effect.delay(&term.values, at)).sum()
-}
-
-/// Where the delayed input of one substep stands, relative to the row at hand.
-#[derive(Clone, Copy)]
-struct Shift {
-    rows: isize,
-    /// Share of the later one of the two rows that meet there.
-    share: f64,
-}
-
-impl Shift {
-    /// For substep `i` of `substeps`: the mean over the substep where the input is held, its value in the middle where
-    /// it is interpolated.
-    fn new(delay: f64, i: usize, substeps: usize, step: f64, held: bool) -> Self {
-        let length = 1.0 / substeps as f64;
-        let begin = i as f64 * length - delay / step;
-        let (from, share) = if held {
-            // A hair's breadth forward, so that a delay of whole samples does not straddle two of them by rounding.
-            let first = (begin + 1e-9).floor();
-            (first, ((begin + length - first - 1.0) / length).max(0.0))
-        } else {
-            let middle = begin + 0.5 * length;
-            (middle.floor(), middle - middle.floor())
-        };
-        Self { rows: from as isize, share: if share <= 1e-9 { 0.0 } else { share } }
-    }
-
-    /// The input; before its first row and after its last as it is there.
-    fn apply(&self, u: &[f64], k: usize) -> f64 {
-        let last = u.len() - 1;
-        let at = |i: isize| u[usize::try_from(i).unwrap_or(0).min(last)];
-        let first = k as isize + self.rows;
-        at(first) * (1.0 - self.share) + at(first + 1) * self.share
-    }
 }
 
 /// Stiffness and damping (N m/rad, N m s/rad) that stand for the effects' moments in the mean, at the signals'
