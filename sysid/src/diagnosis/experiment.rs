@@ -93,7 +93,7 @@ fn expected_ratio(problem: &Problem<'_>, a: &Fit, b: &Fit, u: Vec<f64>) -> Optio
         let unpacked = problem.unpack(&b.effects, values);
         let model = problem.model(&unpacked, run.step)?;
         let gain = model.gain(&unpacked.disturbance, &run)?;
-        let e = model.innovations(&run, &gain, |_, _| {})?;
+        let e = model.innovations(&run, &gain, run.len(), |_, _| {})?;
         let packed = e.iter().map(|e| if problem.data.has_rate { *e } else { [e[1], 0.0] });
         Some(DVector::from_iterator(
             2 * e.len(),

@@ -225,8 +225,9 @@ impl<'a> Problem<'a> {
     /// One-step prediction errors of the counted rows.
     pub fn prediction_errors(&self, effects: &[&'static dyn Effect], values: &[f64]) -> Option<Vec<Output>> {
         let unpacked = self.unpack(effects, values);
-        let mut all = Vec::new();
-        self.predict(&unpacked, |run, innovations| {
+        let mut all = Vec::with_capacity(self.count());
+        let last = |run: usize| self.counted[run].iter().rposition(|c| *c).map_or(0, |k| k + 1);
+        self.run(&unpacked, last, |_, _, _| {}, &mut |run, innovations| {
             all.extend(
                 innovations.iter().zip(&self.counted[run]).filter(|(_, c)| **c).map(|(e, _)| self.pack(*e)),
             );
@@ -243,6 +244,17 @@ impl<'a> Problem<'a> {
     pub fn track(
         &self,
         unpacked: &Unpacked,
+        visit: impl FnMut(usize, usize, &Point),
+        take: &mut dyn FnMut(usize, Vec<Output>),
+    ) -> Option<()> {
+        self.run(unpacked, |run| self.data.runs[run].len(), visit, take)
+    }
+
+    /// Runs the predictor over the first `rows` of each run.
+    fn run(
+        &self,
+        unpacked: &Unpacked,
+        rows: impl Fn(usize) -> usize,
         mut visit: impl FnMut(usize, usize, &Point),
         take: &mut dyn FnMut(usize, Vec<Output>),
     ) -> Option<()> {
@@ -254,7 +266,7 @@ impl<'a> Problem<'a> {
                 sampled = Some((run.step, model, gain));
             }
             let (_, model, gain) = sampled.as_ref()?;
-            take(index, model.innovations(run, gain, |k, point| visit(index, k, point))?);
+            take(index, model.innovations(run, gain, rows(index), |k, point| visit(index, k, point))?);
         }
         Some(())
     }

@@ -33,6 +33,13 @@ pub struct Term {
     pub values: Vec<f64>,
 }
 
+/// A term with the place of its own states among those of all terms.
+struct Placed<'a> {
+    effect: &'static dyn Effect,
+    values: &'a [f64],
+    own: core::ops::Range<usize>,
+}
+
 /// Where a simulation stands: the plant's state and the effects' own.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
@@ -56,7 +63,7 @@ pub type Output = [f64; 2];
 /// The model, discretised for one sample period.
 pub struct PitchModel<'a> {
     plant: Plant,
-    terms: &'a [Term],
+    terms: Vec<Placed<'a>>,
     /// Over a whole sample.
     over_sample: StateMatrix,
     /// Over one substep, for the inner loop.
@@ -76,6 +83,10 @@ pub struct PitchModel<'a> {
     within_sample: bool,
     /// Delay of the input at the start of a recording, s.
     delay: f64,
+    /// Whether the delay changes over time.
+    delay_moves: bool,
+    /// Whether the inertia changes over time.
+    inertia_changes: bool,
     /// Where the input of each substep stands for that delay: between samples, held.
     shifts: Vec<[Shift; 2]>,
     stiffness: f64,
@@ -83,6 +94,8 @@ pub struct PitchModel<'a> {
     step: f64,
     substeps: usize,
     sizes: Amplitudes,
+    /// Conditions of a substep, but for what changes from one to the next.
+    conditions: Conditions,
 }
 
 impl<'a> PitchModel<'a> {
@@ -121,7 +134,13 @@ impl<'a> PitchModel<'a> {
         if !block.amax().is_finite() || block.amax() > 1e4 {
             return None;
         }
-        let delay = plant.delay + later(terms, &Conditions { sizes: *sizes, ..Conditions::default() });
+        let conditions =
+            Conditions { dt, small_rate: REST * sizes.q, sizes: *sizes, ..Conditions::default() };
+        let terms = placed(terms);
+        let at_the_end = Conditions { t: f64::MAX, ..conditions };
+        let delay = plant.delay + later(&terms, &conditions);
+        let delay_moves = later(&terms, &at_the_end) != later(&terms, &conditions);
+        let inertia_changes = inertia_factor(&terms, &at_the_end) != 1.0;
         let exp = block.exp();
         let transition = exp.fixed_view::<STATES, STATES>(0, 0).into_owned();
         let per_moment = exp.fixed_view::<STATES, 1>(0, STATES).into_owned();
@@ -133,7 +152,6 @@ impl<'a> PitchModel<'a> {
         }
         Some(Self {
             plant,
-            terms,
             over_sample,
             substep: Transition::new(&transition),
             sample: Transition::new(&over_sample),
@@ -143,7 +161,10 @@ impl<'a> PitchModel<'a> {
             moment_row: continuous.row(Q) * plant.inertia,
             measured: (rate, angle),
             within_sample: terms.iter().any(|term| term.effect.within_sample()),
+            terms,
             delay,
+            delay_moves,
+            inertia_changes,
             shifts: (0..substeps)
                 .map(|i| [false, true].map(|held| Shift::new(delay, i, substeps, step, held)))
                 .collect(),
@@ -152,6 +173,7 @@ impl<'a> PitchModel<'a> {
             step,
             substeps,
             sizes: *sizes,
+            conditions,
         })
     }
 
@@ -163,17 +185,17 @@ impl<'a> PitchModel<'a> {
     /// Kalman gains for the outputs that `run` has, under the noise model `disturbance`.
     pub fn gain(&self, disturbance: &Disturbance, run: &Run) -> Option<Gains> {
         let begin = self.steady(disturbance, run)?;
-        let factor = self.inertia_factor(&Conditions { t: f64::MAX, dt: self.step, ..self.conditions() });
-        if factor == 1.0 {
+        if !self.inertia_changes {
             return Some(Gains { begin, changed: None });
         }
+        let factor = self.inertia_at(f64::MAX);
         let plant = Plant { inertia: factor * self.plant.inertia, ..self.plant };
         let later = PitchModel::new(&plant, &[], disturbance, self.step, &self.sizes)?;
         Some(Gains { begin, changed: Some(later.steady(disturbance, run)?) })
     }
 
-    fn inertia_factor(&self, at: &Conditions) -> f64 {
-        self.terms.iter().map(|term| term.effect.inertia(&term.values, at)).product()
+    fn inertia_at(&self, t: f64) -> f64 {
+        inertia_factor(&self.terms, &Conditions { t, dt: self.step, ..self.conditions })
     }
 
     fn steady(&self, disturbance: &Disturbance, run: &Run) -> Option<Vec<State>> {
@@ -221,30 +243,28 @@ impl<'a> PitchModel<'a> {
     pub fn output(&self, point: &Point) -> Output {
         let (rate, angle) = self.measured;
         let mut y = [point.x[rate], point.x[angle]];
-        let mut offset = 0;
-        for term in self.terms {
-            let states = term.effect.states();
-            y = term.effect.measure(&term.values, &point.own[offset..offset + states], y);
-            offset += states;
+        for Placed { effect, values, own } in &self.terms {
+            y = effect.measure(values, &point.own[own.clone()], y);
         }
         y
     }
 
     /// One sample further, from row `k` of `run` to row k+1. `false` when the state has diverged.
     pub fn advance(&self, point: &mut Point, run: &Run, k: usize) -> bool {
-        let dt = self.step / self.substeps as f64;
-        let [roll_rate, yaw_rate, roll] = run.roll_and_yaw.as_ref().map_or([0.0; 3], |rows| rows[k]);
+        let mut at = self.conditions;
+        if let Some(rows) = &run.roll_and_yaw {
+            [at.roll_rate, at.yaw_rate, at.roll] = rows[k];
+        }
         let mut driven = State::zeros();
         for (i, per_moment) in self.per_moment_of_substep.iter().enumerate() {
-            let t = run.time(k) + i as f64 * dt;
-            let mut at = Conditions { t, dt, roll_rate, yaw_rate, roll, ..self.conditions() };
-            let delay = self.plant.delay + later(self.terms, &at);
-            let shift = if delay == self.delay {
-                self.shifts[i][usize::from(run.held)]
+            at.t = run.time(k) + i as f64 * at.dt;
+            let delay =
+                if self.delay_moves { self.plant.delay + later(&self.terms, &at) } else { self.delay };
+            at.command = if delay == self.delay {
+                self.shifts[i][usize::from(run.held)].apply(&run.u, k)
             } else {
-                Shift::new(delay, i, self.substeps, self.step, run.held)
+                Shift::new(delay, i, self.substeps, self.step, run.held).apply(&run.u, k)
             };
-            at.command = shift.apply(&run.u, k);
             let control = self.plant.dm_du * self.actuated(point, &at);
             if self.within_sample {
                 self.substep_with_terms(point, control, &at);
@@ -259,18 +279,11 @@ impl<'a> PitchModel<'a> {
             && point.x[THETA].abs() < DIVERGED * self.sizes.theta.max(1.0)
     }
 
-    fn conditions(&self) -> Conditions {
-        Conditions { small_rate: REST * self.sizes.q, sizes: self.sizes, ..Conditions::default() }
-    }
-
     /// What the blades do in one substep when the delayed command arrives.
     fn actuated(&self, point: &mut Point, at: &Conditions) -> f64 {
         let mut u = at.command;
-        let mut offset = 0;
-        for term in self.terms {
-            let states = term.effect.states();
-            u = term.effect.actuate(&term.values, &mut point.own[offset..offset + states], u, at);
-            offset += states;
+        for Placed { effect, values, own } in &self.terms {
+            u = effect.actuate(values, &mut point.own[own.clone()], u, at);
         }
         u
     }
@@ -287,36 +300,25 @@ impl<'a> PitchModel<'a> {
             self.per_moment * (corrected - moment) + self.per_angle_rate * (corrected_rate - angle_rate);
         let (rate, angle) = self.measured;
         let (q, theta, acceleration) = (point.x[rate], point.x[angle], control / self.plant.inertia);
-        let mut offset = 0;
-        for term in self.terms {
-            let states = term.effect.states();
-            let own = &mut point.own[offset..offset + states];
-            term.effect.sense(&term.values, own, q, theta, acceleration, at);
-            offset += states;
+        for Placed { effect, values, own } in &self.terms {
+            effect.sense(values, &mut point.own[own.clone()], q, theta, acceleration, at);
         }
     }
 
     /// Moment and rate of the angle that the effects add to the linear model at state `x`.
     fn nonlinear(&self, x: &State, own: &[f64; OWN_STATES], control: f64, at: &Conditions) -> (f64, f64) {
         let (q, theta) = (x[Q], x[THETA]);
-        let (mut moment, mut angle_rate, mut inertia) = (self.stiffness * theta + self.damping * q, 0.0, 1.0);
-        let mut offset = 0;
-        for term in self.terms {
-            let states = term.effect.states();
-            moment += term.effect.moment(&term.values, &own[offset..offset + states], q, theta, at);
-            offset += states;
-            angle_rate += term.effect.angle_rate(&term.values, q, at);
-            inertia *= term.effect.inertia(&term.values, at);
+        let (mut moment, mut angle_rate) = (self.stiffness * theta + self.damping * q, 0.0);
+        for term in &self.terms {
+            moment += term.effect.moment(term.values, &own[term.own.clone()], q, theta, at);
+            angle_rate += term.effect.angle_rate(term.values, q, at);
         }
-        if inertia != 1.0 {
+        if self.inertia_changes {
+            let inertia = inertia_factor(&self.terms, at);
             let all = (self.moment_row * x)[0] + control + moment;
             moment += all * (1.0 / inertia - 1.0);
         }
         (moment, angle_rate)
-    }
-
-    fn changed(&self, t: f64) -> bool {
-        self.inertia_factor(&Conditions { t, dt: self.step, ..self.conditions() }) != 1.0
     }
 
     /// Free run: simulates rows `rows` of `run` from `point`, the state at the first of them.
@@ -336,20 +338,21 @@ impl<'a> PitchModel<'a> {
         Some(outputs)
     }
 
-    /// Innovations e = y − ŷ of the predictor with `gains` over the whole of `run`; channels without a measurement give
-    /// zero. `visit` sees the corrected state of every row.
+    /// Innovations e = y − ŷ of the predictor with `gains` over the first `rows` of `run`; channels without a measurement
+    /// give zero. `visit` sees the corrected state of every row.
     pub fn innovations(
         &self,
         run: &Run,
         gains: &Gains,
+        rows: usize,
         mut visit: impl FnMut(usize, &Point),
     ) -> Option<Vec<Output>> {
         let mut point = self.start(run);
-        let mut innovations = Vec::with_capacity(run.len());
-        for k in 0..run.len() {
+        let mut innovations = Vec::with_capacity(rows);
+        for k in 0..rows {
             let expected = self.output(&point);
             let gain = match &gains.changed {
-                Some(later) if self.changed(run.time(k)) => later,
+                Some(later) if self.inertia_at(run.time(k)) != 1.0 => later,
                 _ => &gains.begin,
             };
             let mut e = [0.0; 2];
@@ -371,9 +374,23 @@ impl<'a> PitchModel<'a> {
     }
 }
 
+fn placed(terms: &[Term]) -> Vec<Placed<'_>> {
+    let mut placed: Vec<Placed<'_>> = Vec::with_capacity(terms.len());
+    for Term { effect, values } in terms {
+        let begin = placed.last().map_or(0, |before| before.own.end);
+        placed.push(Placed { effect: *effect, values, own: begin..begin + effect.states() });
+    }
+    placed
+}
+
 /// Delay that the terms add, s.
-fn later(terms: &[Term], at: &Conditions) -> f64 {
-    terms.iter().map(|term| term.effect.delay(&term.values, at)).sum()
+fn later(terms: &[Placed<'_>], at: &Conditions) -> f64 {
+    terms.iter().map(|term| term.effect.delay(term.values, at)).sum()
+}
+
+/// Factor by which the terms change the inertia.
+fn inertia_factor(terms: &[Placed<'_>], at: &Conditions) -> f64 {
+    terms.iter().map(|term| term.effect.inertia(term.values, at)).product()
 }
 
 /// Stiffness and damping (N m/rad, N m s/rad) that stand for the effects' moments in the mean, at the signals'
