@@ -50,33 +50,39 @@ pub struct Selection {
 /// Selects effects. `None` where not even the baseline has a finite likelihood.
 pub fn select(problem: &Problem<'_>, progress: &(dyn Fn(&str) + Sync)) -> Option<Selection> {
     progress("fitting the baseline");
-    let mut baseline = fit_baseline(problem)?;
-    let mut current = baseline.clone();
-    let mut first_round = Vec::new();
+    let mut current = fit_baseline(problem)?;
+    let mut rounds: Vec<Round> = Vec::new();
     for round in 0..MOST_EFFECTS {
         progress(&format!("trying the catalogue's effects on top of {}", told(&current)));
-        let (improved, fits) = one_more(problem, &current);
-        current = improved;
-        if round == 0 {
-            baseline = current.clone();
-            first_round.clone_from(&fits);
-        }
+        let tried = one_more(problem, &current);
         let needed = if round == 0 { DETECTION } else { FURTHER };
-        let Some(best) =
-            fits.into_iter().next().filter(|fit| current.bic(problem) - fit.bic(problem) > needed)
-        else {
+        let bic = tried.before.bic(problem);
+        let best = tried.fits.first().filter(|fit| bic - fit.bic(problem) > needed);
+        current = best.map_or_else(|| tried.before.clone(), |best| settled(problem, best.clone()));
+        let ended = best.is_none();
+        rounds.push(tried);
+        if ended {
             break;
-        };
-        current = settled(problem, best);
+        }
     }
     progress("checking which effects are needed");
     let mut extended = prune(problem, current);
     loop {
-        match findings(problem, &baseline, &extended, &first_round) {
-            Examined::Needed(findings) => return Some(Selection { baseline, extended, findings }),
+        match findings(problem, &rounds, &extended) {
+            Examined::Needed(findings) => {
+                return Some(Selection { baseline: rounds.swap_remove(0).before, extended, findings });
+            }
             Examined::Needless(rest) => extended = *rest,
         }
     }
+}
+
+/// A model with each effect of the catalogue that it lacks.
+#[derive(Clone)]
+struct Round {
+    before: Fit,
+    /// With one more effect, the last one; best first.
+    fits: Vec<Fit>,
 }
 
 /// What a closer look at each effect says: all are needed, or a fit without one of them is as good.
@@ -91,7 +97,7 @@ fn told(fit: &Fit) -> String {
 
 /// `before` with each effect of the catalogue that it lacks, best first; and `before` itself, fitted again from where
 /// the candidates ended: a baseline that has not settled makes every candidate look good.
-fn one_more(problem: &Problem<'_>, before: &Fit) -> (Fit, Vec<Fit>) {
+fn one_more(problem: &Problem<'_>, before: &Fit) -> Round {
     let missing: Vec<&'static dyn Effect> = CATALOGUE
         .iter()
         .copied()
@@ -105,13 +111,12 @@ fn one_more(problem: &Problem<'_>, before: &Fit) -> (Fit, Vec<Fit>) {
         .take(BASELINE_STARTS)
         .filter_map(|fit| refit(problem, &before.effects, &fit.minimum.values[..length]))
         .collect();
-    let mut best = before.clone();
-    for fit in again {
-        if fit.criterion() < best.criterion() {
-            best = fit;
-        }
-    }
-    (best, fits)
+    let best = again.into_iter().fold(before.clone(), lower);
+    Round { before: best, fits }
+}
+
+fn lower(a: Fit, b: Fit) -> Fit {
+    if b.criterion() < a.criterion() { b } else { a }
 }
 
 /// Takes out, one after the other, effects that the others have made needless.
@@ -137,16 +142,24 @@ pub fn without(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<Fit> {
     refit(problem, &effects, &values)
 }
 
-fn findings(problem: &Problem<'_>, baseline: &Fit, extended: &Fit, first_round: &[Fit]) -> Examined {
+fn findings(problem: &Problem<'_>, rounds: &[Round], extended: &Fit) -> Examined {
     let mut findings = Vec::new();
     for (i, &effect) in extended.effects.iter().enumerate() {
-        let alone = extended.effects.len() == 1;
-        let (rest, rivals) = match without(problem, extended, i) {
-            _ if alone => (baseline.clone(), first_round.to_vec()),
-            Some(less) => one_more(problem, &less),
-            // The others alone leave no finite likelihood: this one is judged against the baseline.
-            None => (baseline.clone(), Vec::new()),
+        let others: Vec<&str> = extended.ids().into_iter().filter(|id| *id != effect.about().id).collect();
+        let same = |round: &&Round| {
+            let ids = round.before.ids();
+            ids.len() == others.len() && ids.iter().all(|id| others.contains(id))
         };
+        let Round { before: rest, fits: rivals } =
+            match (rounds.iter().find(same), without(problem, extended, i)) {
+                (Some(round), None) => round.clone(),
+                (Some(round), Some(less)) => {
+                    Round { before: lower(round.before.clone(), less), fits: round.fits.clone() }
+                }
+                (None, Some(less)) => one_more(problem, &less),
+                // The others alone leave no finite likelihood: this one is judged against the baseline.
+                (None, None) => Round { before: rounds[0].before.clone(), fits: Vec::new() },
+            };
         let finding = finding(problem, effect, extended, &rest, rivals);
         if finding.delta_bic < RETENTION {
             return Examined::Needless(Box::new(rest));

@@ -2,7 +2,8 @@
 
 use super::effects::Effect;
 use super::problem::Problem;
-use crate::identify::levenberg_marquardt::{Effort, Linearised, Minimum, minimize};
+use crate::identify::chord::{Chord, Descent};
+use crate::identify::levenberg_marquardt::{Effort, Minimum, minimize};
 use rayon::prelude::*;
 
 /// A fitted set of effects.
@@ -64,6 +65,20 @@ const STRENGTHS: [f64; 5] = [0.03, 0.3, 3.0, 30.0, 300.0];
 const LOW_GAIN: f64 = 0.03;
 /// Candidates whose sketch ends this far above the best in BIC are not fitted to the end.
 const HOPELESS: f64 = 60.0;
+/// Steps that every start is followed.
+const CHORD_STEPS: usize = 8;
+/// A candidate that has settled with less gain in BIC than this is not needed, whatever else is.
+const NEEDLESS: f64 = -4.0;
+/// So far below `before` a candidate has not settled: its own parameters could as well vanish.
+const UNSETTLED: f64 = -30.0;
+/// A descent along the chord may end at this share of the best one's gain and come near it all the same.
+const CLOSE: f64 = 0.7;
+/// A descent may gain what its last step gained this many times more.
+const STEPS_TO_COME: f64 = 4.0;
+/// Two descents of a candidate whose gains differ by less than this have come to the same place.
+const SAME_PLACE: f64 = 1.0;
+/// Prospects that are fitted whatever they look like: the baseline is fitted again from where they end.
+const ALWAYS_FITTED: usize = 3;
 const SKETCH: Effort = Effort { iterations: 5, tolerance: 0.5 };
 const FINISH: Effort = Effort { iterations: 40, tolerance: 0.02 };
 
@@ -87,25 +102,13 @@ pub fn settled(problem: &Problem<'_>, fit: Fit) -> Fit {
     }
 }
 
-/// `before` with each of `candidates` in turn, best first. Of the starts of a candidate the best after one Gauss–Newton
-/// step is followed, from the optimum of `before` and from near output error (where the disturbance model does not
-/// swallow an effect before it is seen); those that come near the best are fitted to the end.
+/// `before` with each of `candidates` in turn, best first. Their starts are followed a few steps, from the optimum of
+/// `before` and from near output error (where the disturbance model does not swallow an effect before it is seen); those
+/// that are worth it are fitted, and those of them that come near the best are fitted to the end.
 pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Fit> {
-    let mut starts = best_starts(problem, before, candidates, &before.minimum.values);
-    if let Some(low) = near_output_error(problem, before) {
-        for (candidate, mut values, criterion) in best_starts(problem, before, candidates, &low) {
-            let noise = problem.noise_range();
-            values[noise.clone()].copy_from_slice(&before.minimum.values[noise]);
-            starts.push((candidate, values, criterion));
-        }
-    }
-    let sketches: Vec<Fit> = starts
+    let sketches: Vec<Fit> = worth_fitting(prospects(problem, before, candidates))
         .par_iter()
-        .filter_map(|(candidate, values, _)| {
-            let mut effects = before.effects.clone();
-            effects.push(*candidate);
-            sketch(problem, &effects, values)
-        })
+        .filter_map(|prospect| sketch(problem, &prospect.effects, &prospect.values))
         .collect();
     let mut best: Vec<Fit> = Vec::new();
     for fit in sketches {
@@ -118,7 +121,8 @@ pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static 
     // A sketch at a bound often lies lowest and is no candidate in the end: it must not outbid the others.
     let within = |fit: &Fit| !fit.last_at_bound(problem);
     let lowest = best.iter().filter(|f| within(f)).map(|f| f.bic(problem)).fold(f64::INFINITY, f64::min);
-    best.retain(|fit| fit.bic(problem) < lowest + HOPELESS);
+    let needed = (before.bic(problem) - NEEDLESS).max(lowest + SAME_PLACE);
+    best.retain(|fit| fit.bic(problem) < needed.min(lowest + HOPELESS));
     let mut fits: Vec<Fit> =
         best.par_iter().filter_map(|fit| refit(problem, &fit.effects, &fit.minimum.values)).collect();
     fits.retain(within);
@@ -126,25 +130,76 @@ pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static 
     fits
 }
 
-/// `before` with each of `candidates` after one Gauss–Newton step, best BIC first: effects and values.
-pub fn screen(
-    problem: &Problem<'_>,
-    before: &Fit,
-    candidates: &[&'static dyn Effect],
-) -> Vec<(Vec<&'static dyn Effect>, Vec<f64>)> {
-    let count = (problem.count() as f64).ln();
-    let mut steps: Vec<(f64, Vec<&'static dyn Effect>, Vec<f64>)> =
-        best_starts(problem, before, candidates, &before.minimum.values)
-            .into_iter()
-            .map(|(candidate, values, criterion)| {
-                let own = values.len() - before.minimum.values.len();
-                let mut effects = before.effects.clone();
-                effects.push(candidate);
-                (criterion + own as f64 * count, effects, values)
-            })
-            .collect();
-    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
-    steps.into_iter().map(|(_, effects, values)| (effects, values)).collect()
+/// A candidate beside `before`, a few steps from one of its starts.
+pub struct Prospect {
+    /// The effects of `before` and the candidate.
+    pub effects: Vec<&'static dyn Effect>,
+    /// Where the steps have led.
+    pub values: Vec<f64>,
+    /// BIC of `before` less BIC there.
+    gain: f64,
+    /// By how much the last step raised the gain.
+    rise: f64,
+}
+
+impl Prospect {
+    fn new(problem: &Problem<'_>, before: &Fit, effects: Vec<&'static dyn Effect>, end: Descent) -> Self {
+        let own = end.values.len() - before.minimum.values.len();
+        let penalty = own as f64 * (problem.count() as f64).ln();
+        Self {
+            effects,
+            values: end.values,
+            gain: before.criterion() - end.criterion - penalty,
+            rise: end.drop,
+        }
+    }
+
+    fn id(&self) -> &'static str {
+        self.effects.last().map_or("", |effect| effect.about().id)
+    }
+}
+
+/// `before` with each of `candidates` after one step from its best start, best BIC first.
+pub fn screen(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Prospect> {
+    let mut all = best_starts(problem, before, candidates, &before.minimum.values);
+    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    all
+}
+
+/// The candidates a few steps from the optimum of `before`, and from near output error.
+fn prospects(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Prospect> {
+    let optimum = &before.minimum.values;
+    let starts = best_starts(problem, before, candidates, optimum);
+    let mut all = further(problem, before, optimum, starts);
+    if let Some(mut low) = near_output_error(problem, before) {
+        let mut starts = best_starts(problem, before, candidates, &low);
+        let noise = problem.noise_range();
+        for values in starts.iter_mut().map(|start| &mut start.values).chain([&mut low]) {
+            values[noise.clone()].copy_from_slice(&optimum[noise.clone()]);
+        }
+        all.extend(further(problem, before, &low, starts));
+    }
+    all
+}
+
+/// Those prospects that may come to lie near the best, or to be needed at all: others have settled too far below. A
+/// candidate that has settled nowhere is kept wherever it stands, one that comes to the same place twice is kept once.
+fn worth_fitting(mut all: Vec<Prospect>) -> Vec<Prospect> {
+    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let best = all.first().map_or(0.0, |prospect| prospect.gain);
+    let floor = (CLOSE * best - HOPELESS).max(NEEDLESS);
+    let mut kept: Vec<Prospect> = Vec::new();
+    for prospect in all {
+        let known = kept.iter().rfind(|other| other.id() == prospect.id());
+        let again = known.is_some_and(|other| other.gain - prospect.gain < SAME_PLACE);
+        let may_rise = prospect.gain + STEPS_TO_COME * prospect.rise > floor;
+        let settled = known.is_some_and(|other| other.gain > UNSETTLED);
+        let stuck = !settled && prospect.gain < UNSETTLED && prospect.rise < SAME_PLACE;
+        if kept.len() < ALWAYS_FITTED || (!again && (may_rise || stuck)) {
+            kept.push(prospect);
+        }
+    }
+    kept
 }
 
 /// Each candidate's best start after one step, the unknowns of `before` starting from `values`.
@@ -153,23 +208,44 @@ fn best_starts(
     before: &Fit,
     candidates: &[&'static dyn Effect],
     values: &[f64],
-) -> Vec<(&'static dyn Effect, Vec<f64>, f64)> {
+) -> Vec<Prospect> {
+    let best_start = |chord: &Chord, &candidate: &&'static dyn Effect| {
+        let effects = [&before.effects[..], &[candidate]].concat();
+        let starts = candidate.starts(&problem.sizes).into_iter();
+        let ends = starts.filter_map(|own| descend(problem, chord, &effects, &[values, &own].concat(), 1));
+        let best = ends.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
+        Some(Prospect::new(problem, before, effects, best))
+    };
+    chord(problem, before, values)
+        .map(|chord| candidates.par_iter().filter_map(|c| best_start(&chord, c)).collect())
+        .unwrap_or_default()
+}
+
+/// The prospects a few steps further, the unknowns of `before` linearised at `values`.
+fn further(problem: &Problem<'_>, before: &Fit, values: &[f64], from: Vec<Prospect>) -> Vec<Prospect> {
+    let Some(chord) = chord(problem, before, values) else { return Vec::new() };
+    from.into_par_iter()
+        .filter_map(|Prospect { effects, values, .. }| {
+            let end = descend(problem, &chord, &effects, &values, CHORD_STEPS)?;
+            Some(Prospect::new(problem, before, effects, end))
+        })
+        .collect()
+}
+
+fn chord(problem: &Problem<'_>, before: &Fit, values: &[f64]) -> Option<Chord> {
     let residuals = |v: &[f64]| problem.prediction_errors(&before.effects, v);
-    let coordinates = problem.coordinates(&before.effects);
-    let Some(shared) = Linearised::new(&residuals, problem.channels(), &coordinates, values) else {
-        return Vec::new();
-    };
-    let best_start = |&candidate: &&'static dyn Effect| {
-        let mut effects = before.effects.clone();
-        effects.push(candidate);
-        let coordinates = problem.coordinates(&effects);
-        let residuals = |v: &[f64]| problem.prediction_errors(&effects, v);
-        let one_step =
-            |start: Vec<f64>| shared.one_step(&residuals, problem.channels(), &coordinates, &start);
-        let steps = candidate.starts(&problem.sizes).into_iter().filter_map(one_step);
-        steps.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(values, criterion)| (candidate, values, criterion))
-    };
-    candidates.par_iter().filter_map(best_start).collect()
+    Chord::new(&residuals, problem.channels(), &problem.coordinates(&before.effects), values)
+}
+
+fn descend(
+    problem: &Problem<'_>,
+    chord: &Chord,
+    effects: &[&'static dyn Effect],
+    start: &[f64],
+    steps: usize,
+) -> Option<Descent> {
+    let residuals = |v: &[f64]| problem.prediction_errors(effects, v);
+    chord.descend(&residuals, problem.channels(), &problem.coordinates(effects), start, steps)
 }
 
 /// Values of `before`'s unknowns with the noise model held near output error, the mount held as the user's model has

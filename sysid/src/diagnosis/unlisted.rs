@@ -49,8 +49,7 @@ fn best(problem: &Problem<'_>, before: &Fit) -> Option<(&'static Anonymous, Fit)
     let candidates: Vec<&'static dyn Effect> = ANONYMOUS.iter().map(|&a| a as &'static dyn Effect).collect();
     let mut screened = screen(problem, before, &candidates);
     screened.truncate(FITTED);
-    let fits: Vec<Fit> =
-        screened.par_iter().filter_map(|(effects, values)| refit(problem, effects, values)).collect();
+    let fits: Vec<Fit> = screened.par_iter().filter_map(|p| refit(problem, &p.effects, &p.values)).collect();
     let fit = fits.into_iter().min_by(|a, b| a.bic(problem).total_cmp(&b.bic(problem)))?;
     let id = fit.effects.last()?.about().id;
     Some((ANONYMOUS.iter().copied().find(|a| a.about().id == id)?, fit))

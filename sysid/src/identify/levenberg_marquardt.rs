@@ -8,6 +8,7 @@
 
 use crate::model::pitch::Output;
 use nalgebra::{DMatrix, DVector, Matrix2};
+use rayon::prelude::*;
 
 /// One unknown, in the coordinate that the search uses.
 #[derive(Clone, Debug)]
@@ -137,88 +138,30 @@ pub fn covariance(
     search.covariance(&z, &at, &jacobian, lag)
 }
 
-/// The derivatives of the residuals at one point: what the first steps of many candidates share.
-pub struct Linearised {
-    z: DVector<f64>,
-    jacobian: Vec<Vec<Output>>,
-}
-
-impl Linearised {
-    /// Linearises the residuals at `values`.
-    pub fn new(
-        residuals: &Residuals<'_>,
-        channels: usize,
-        coordinates: &[Coordinate],
-        values: &[f64],
-    ) -> Option<Self> {
-        let search = Search { residuals, channels, coordinates };
-        let z = search.inner(values);
-        let at = search.evaluate(&z)?;
-        let jacobian = search.jacobian(&z, &at);
-        Some(Self { z, jacobian })
-    }
-
-    /// One Gauss–Newton step in the coordinates linearised here and in further ones that start at `extra`: the
-    /// derivatives with respect to the former are taken from here. Answers the values and the criterion after the
-    /// step, which is shortened until it improves on the start; where it never does, the start itself.
-    pub fn one_step(
-        &self,
-        residuals: &Residuals<'_>,
-        channels: usize,
-        coordinates: &[Coordinate],
-        extra: &[f64],
-    ) -> Option<(Vec<f64>, f64)> {
-        let search = Search { residuals, channels, coordinates };
-        let known = self.z.len();
-        let mut z = self.z.clone().resize_vertically(known + extra.len(), 0.0);
-        for (i, &value) in extra.iter().enumerate() {
-            let c = &coordinates[known + i];
-            z[known + i] = c.inner(value.clamp(c.bounds[0], c.bounds[1]));
-        }
-        let at = search.evaluate(&z)?;
-        let mut jacobian = self.jacobian.clone();
-        jacobian.extend((known..z.len()).map(|i| search.column(&z, &at, i)));
-        let (hessian, gradient) = search.normal_equations(&z, &at, &jacobian);
-        let free = search.free(&z, &gradient);
-        let step = damped_step(&hessian, &gradient, &free, 1e-3);
-        let mut best = (search.outer(&z), at.criterion);
-        for share in [1.0, 0.3, 0.1] {
-            let candidate = search.clamp(&z - &step * share);
-            if let Some(next) = search.evaluate(&candidate)
-                && next.criterion < best.1
-            {
-                best = (search.outer(&candidate), next.criterion);
-                break;
-            }
-        }
-        Some(best)
-    }
-}
-
-struct Evaluation {
+pub(super) struct Evaluation {
     residuals: Vec<Output>,
     weight: Matrix2<f64>,
     deviance: f64,
-    criterion: f64,
+    pub(super) criterion: f64,
 }
 
-struct Search<'a> {
-    residuals: &'a Residuals<'a>,
-    channels: usize,
-    coordinates: &'a [Coordinate],
+pub(super) struct Search<'a> {
+    pub(super) residuals: &'a Residuals<'a>,
+    pub(super) channels: usize,
+    pub(super) coordinates: &'a [Coordinate],
 }
 
 impl Search<'_> {
-    fn outer(&self, z: &DVector<f64>) -> Vec<f64> {
+    pub(super) fn outer(&self, z: &DVector<f64>) -> Vec<f64> {
         self.coordinates.iter().zip(z.iter()).map(|(c, &z)| c.outer(z)).collect()
     }
 
-    fn inner(&self, values: &[f64]) -> DVector<f64> {
+    pub(super) fn inner(&self, values: &[f64]) -> DVector<f64> {
         let inner = |(c, &v): (&Coordinate, &f64)| c.inner(v.clamp(c.bounds[0], c.bounds[1]));
         DVector::from_iterator(values.len(), self.coordinates.iter().zip(values).map(inner))
     }
 
-    fn clamp(&self, mut z: DVector<f64>) -> DVector<f64> {
+    pub(super) fn clamp(&self, mut z: DVector<f64>) -> DVector<f64> {
         for (c, z) in self.coordinates.iter().zip(z.iter_mut()) {
             let value = c.unbounded(*z);
             if value != value.clamp(c.bounds[0], c.bounds[1]) {
@@ -228,7 +171,7 @@ impl Search<'_> {
         z
     }
 
-    fn evaluate(&self, z: &DVector<f64>) -> Option<Evaluation> {
+    pub(super) fn evaluate(&self, z: &DVector<f64>) -> Option<Evaluation> {
         let residuals = (self.residuals)(&self.outer(z))?;
         let n = residuals.len() as f64;
         let mut s = Matrix2::zeros();
@@ -259,13 +202,13 @@ impl Search<'_> {
             .sum()
     }
 
-    fn jacobian(&self, z: &DVector<f64>, at: &Evaluation) -> Vec<Vec<Output>> {
-        (0..z.len()).map(|i| self.column(z, at, i)).collect()
+    pub(super) fn jacobian(&self, z: &DVector<f64>, at: &Evaluation) -> Vec<Vec<Output>> {
+        (0..z.len()).into_par_iter().map(|i| self.column(z, at, i)).collect()
     }
 
     /// d e / d z_i by a forward difference, stepping away from a bound that is near; zero for a coordinate that is
     /// held by equal bounds.
-    fn column(&self, z: &DVector<f64>, at: &Evaluation, i: usize) -> Vec<Output> {
+    pub(super) fn column(&self, z: &DVector<f64>, at: &Evaluation, i: usize) -> Vec<Output> {
         const STEP: f64 = 1e-4;
         let c = &self.coordinates[i];
         for h in [STEP, -STEP] {
@@ -286,7 +229,7 @@ impl Search<'_> {
         vec![[0.0; 2]; at.residuals.len()]
     }
 
-    fn normal_equations(
+    pub(super) fn normal_equations(
         &self,
         z: &DVector<f64>,
         at: &Evaluation,
@@ -317,7 +260,7 @@ impl Search<'_> {
     }
 
     /// Coordinates that may move: not held by equal bounds, nor at a bound that the gradient pushes against.
-    fn free(&self, z: &DVector<f64>, gradient: &DVector<f64>) -> Vec<usize> {
+    pub(super) fn free(&self, z: &DVector<f64>, gradient: &DVector<f64>) -> Vec<usize> {
         (0..z.len())
             .filter(|&i| {
                 let c = &self.coordinates[i];
@@ -389,7 +332,7 @@ fn dot(a: &[Output], b: &[Output]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum()
 }
 
-fn damped_step(
+pub(super) fn damped_step(
     hessian: &DMatrix<f64>,
     gradient: &DVector<f64>,
     free: &[usize],

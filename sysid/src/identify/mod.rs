@@ -3,6 +3,7 @@
 pub mod block_hankel;
 pub mod bootstrap;
 pub mod butterworth;
+pub mod chord;
 pub mod compare;
 pub mod continuous;
 pub mod cross_validation;
