@@ -14,8 +14,10 @@ const LINES: [f64; 2] = [0.8, 40.0];
 const ODDS: f64 = 1e-3;
 /// Power of a burst relative to the median window below which it may be the background's own unevenness.
 const STRONG: f64 = 4.0;
+/// Ordinates at least and at most so far away make the noise around a line: a resonance is wider, and stands in it.
+const AROUND: [usize; 2] = [3, 20];
 /// Height of a spectral line that neither chance nor a resonant background reaches.
-const LINE: f64 = 25.0;
+const LINE: f64 = 20.0;
 /// Kurtosis that innovations of Gaussian noise never reach in a recording of usual length.
 const HEAVY: f64 = 3.6;
 
@@ -24,7 +26,7 @@ const HEAVY: f64 = 3.6;
 pub struct Goodness {
     /// Kurtosis of the first channel's innovations; 3 for Gaussian noise.
     pub kurtosis: f64,
-    /// Highest ordinate of the innovations' periodogram relative to its mean, and its frequency in rad/s.
+    /// Highest ordinate of the innovations' periodogram relative to those around it, and its frequency in rad/s.
     pub line: (f64, f64),
     /// Where the disturbance's moment is stronger than elsewhere.
     pub burst: Burst,
@@ -115,9 +117,13 @@ fn line_of(innovations: &[f64], step: f64) -> (f64, f64) {
     };
     let ordinates: Vec<(f64, f64)> =
         (0..count).map(|i| LINES[0] + i as f64 * resolution).map(|omega| (power(omega), omega)).collect();
-    let mean = ordinates.iter().map(|o| o.0).sum::<f64>() / count as f64;
-    let highest = ordinates.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0.0));
-    (highest.0 / mean.max(f64::MIN_POSITIVE), highest.1)
+    let height = |i: usize| {
+        let around = i.saturating_sub(AROUND[1])..(i + AROUND[1] + 1).min(count);
+        let noise: Vec<f64> = around.filter(|j| j.abs_diff(i) >= AROUND[0]).map(|j| ordinates[j].0).collect();
+        let mean = noise.iter().sum::<f64>() / noise.len().max(1) as f64;
+        (ordinates[i].0 / mean.max(f64::MIN_POSITIVE), ordinates[i].1)
+    };
+    (0..count).map(height).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0.0))
 }
 
 /// Power by window relative to the median window, and relative to the ratio that chance exceeds once in

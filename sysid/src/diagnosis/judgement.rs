@@ -2,12 +2,14 @@
 //! catalogue explains is told apart, and the verdict is given.
 
 use super::answer::Verdict;
+use super::consistency::inconsistency;
 use super::goodness::{Departure, Goodness, goodness};
 use super::gust::{Gust, gust};
 use super::held_out::Split;
 use super::judge::{Judged, held_out_gain};
 use super::problem::Problem;
 use super::rank::{DETECTION, Finding, Selection, without};
+use super::search::Fit;
 use super::unlisted::{Leftover, leftover};
 use std::collections::BTreeMap;
 
@@ -20,6 +22,9 @@ const UNEXPLAINED_POINTS: f64 = 12.0;
 const LARGE_LEFTOVER: f64 = 0.05;
 /// A correction whose free run on the held-out sections is this much worse, in points of VAF, is not made.
 const COST_POINTS: f64 = 0.5;
+
+/// Variables of which a moment can be a curve.
+const CURVED: [&str; 3] = ["u", "q", "theta"];
 
 /// Everything the answer is made from.
 pub struct Judgement<'p, 'd> {
@@ -58,7 +63,11 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let Selection { baseline, extended, findings } = selection;
         let likelihood_gain = held_out_gain(problem, split, &baseline, &extended);
         let goodness = goodness(problem, &extended);
-        let departure = goodness.as_ref().and_then(Goodness::departure);
+        let departure = goodness
+            .as_ref()
+            .and_then(Goodness::departure)
+            .or_else(|| one_curve(&findings))
+            .or_else(|| another_elsewhere(problem, split, &baseline, &extended));
         let gust = gust(problem, &extended).filter(|_| departure.is_none());
         let baseline = Judged::new(problem, split, baseline);
         let extended = Judged::new(problem, split, extended);
@@ -110,6 +119,34 @@ impl<'p, 'd> Judgement<'p, 'd> {
     pub fn vaf_gain(&self) -> f64 {
         self.extended.held_out_vaf(self.split) - self.baseline.held_out_vaf(self.split)
     }
+}
+
+/// Two effects of one variable at one place stand for a single curve that neither of them is.
+fn one_curve(findings: &[Finding]) -> Option<Departure> {
+    let place = |finding: &Finding| (finding.effect.about().locus, finding.effect.about().variable);
+    let curves: Vec<&Finding> = findings
+        .iter()
+        .filter(|f| f.effect.states() == 0 && CURVED.contains(&f.effect.about().variable))
+        .collect();
+    let again = |i: &usize| curves[..*i].iter().any(|other| place(other) == place(curves[*i]));
+    let of_one = place(curves[(0..curves.len()).find(again)?]);
+    let variable = of_one.1;
+    let ids: Vec<&str> = curves.iter().filter(|f| place(f) == of_one).map(|f| f.effect.about().id).collect();
+    Some(Departure {
+        words: format!("a curve of {variable} that takes {} together to follow", ids.join(" and ")),
+        windows: Vec::new(),
+    })
+}
+
+/// A parameter that is another one elsewhere, as a departure.
+fn another_elsewhere(
+    problem: &Problem<'_>,
+    split: &Split,
+    baseline: &Fit,
+    extended: &Fit,
+) -> Option<Departure> {
+    let worst = inconsistency(problem, split, baseline, extended)?;
+    Some(Departure { words: worst.words(), windows: Vec::new() })
 }
 
 /// Takes the weakest effect out again, one after the other, until the held-out data are predicted better than by the

@@ -39,6 +39,12 @@ impl Chord {
         Some(Self { jacobian: search.jacobian(&z, &at) })
     }
 
+    /// The derivatives, coordinate by coordinate, in the coordinates of the search.
+    #[must_use]
+    pub fn into_jacobian(self) -> Vec<Vec<Output>> {
+        self.jacobian
+    }
+
     /// At most `steps` Gauss–Newton steps from `start`. The derivatives with respect to the first coordinates are those
     /// taken here, the further ones are taken at every step. A step is damped until it lowers the criterion; where it
     /// never does, the descent ends.
