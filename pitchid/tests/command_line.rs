@@ -229,6 +229,50 @@ fn a_diagnosis_answers_in_every_form() {
 }
 
 #[test]
+fn an_extended_model_keeps_what_has_no_name() {
+    let bench = Bench::new();
+    let effect = ["--effect", "angle_damping", "--background", "clean", "--seed", "5"];
+    bench.answered(&[&["simulate", "--out", "flight.csv"], &effect[..]].concat());
+    let diagnosed = |arguments: &[&str]| {
+        let files = ["--json", "a.json", "--out-model", "out.toml"];
+        bench.answered(&[&["diagnose"], arguments, &files].concat());
+        bench.json("a.json")
+    };
+    let vaf = |answer: &Value, model: &str, section: &str| {
+        answer["fit"][model]["vaf_percent"][section].as_f64().unwrap()
+    };
+    let first = diagnosed(&["flight.csv"]);
+    assert_eq!((&first["verdict"], &first["effects"][0]["id"]), (&"unlisted".into(), &"unlisted".into()));
+    let extended = bench.read("out.toml");
+    assert_names(
+        &extended,
+        &["# without a name: ", "id = \"unlisted\"", "shape = ", "c1_N_m", "scale_q_rad_s"],
+    );
+    bench.write("extended.toml", &extended);
+
+    let second = diagnosed(&["flight.csv", "--model", "extended.toml"]);
+    for section in ["I", "II", "III", "IV"] {
+        let (before, after) = (vaf(&first, "extended", section), vaf(&second, "baseline", section));
+        assert!((before - after).abs() < 0.1, "{section}: {before} {after}");
+    }
+    assert!(vaf(&first, "extended", "I") > vaf(&first, "baseline", "I") + 2.0);
+    assert_eq!(second["verdict"], "no_mismatch", "{second}");
+    assert!(bench.read("out.toml").contains("id = \"unlisted\""), "an effect of the baseline is kept");
+
+    bench.answered(&["simulate", "--model", "extended.toml", "--background", "clean", "--out", "again.csv"]);
+    assert_eq!(diagnosed(&["again.csv", "--model", "extended.toml"])["verdict"], "no_mismatch");
+
+    let shape = extended.lines().find(|line| line.starts_with("shape = ")).unwrap();
+    bench.write("wrong.toml", &extended.replace(shape, "shape = \"of_x\""));
+    let message = bench.refused(&["diagnose", "flight.csv", "--model", "wrong.toml"]);
+    assert_names(&message, &["wrong.toml", "line", "of_x", "of_q_and_theta"]);
+    let lag = "\n[[effect]]\nid = \"servo_lag\"\nT = 0.05\n".repeat(20);
+    bench.write("many.toml", &(extended + &lag));
+    let message = bench.refused(&["diagnose", "flight.csv", "--model", "many.toml"]);
+    assert_names(&message, &["20 states", "at most 15", "leave out"]);
+}
+
+#[test]
 fn json_on_standard_output_is_nothing_but_json_and_the_same_on_any_number_of_threads() {
     let bench = Bench::new().with_friction();
     let with_threads = |n: &str| {

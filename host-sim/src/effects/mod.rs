@@ -45,6 +45,7 @@ mod setting;
 mod structural_mode;
 mod thrust_curve;
 mod trim_offset;
+mod unlisted;
 mod untouched;
 
 use std::fmt;

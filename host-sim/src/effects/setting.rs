@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::unlisted::SHAPES;
 use super::{Effect, Entry, Parameter};
 use crate::error::Error;
 use crate::sensors::Reading;
@@ -19,7 +20,22 @@ impl Setting {
     /// # Errors
     /// An unknown effect; a parameter that is missing, unknown, or no finite number.
     pub fn new(id: &str, parameters: &[(&str, f64)]) -> Result<Self, Error> {
-        let entry = Entry::find(id)?;
+        Self::of(Entry::find(id)?, parameters)
+    }
+
+    /// A term without a name, by its shape, as a model file has it: coefficients and scales.
+    ///
+    /// # Errors
+    /// An unknown shape; otherwise as [`Setting::new`].
+    pub fn unlisted(shape: &str, parameters: &[(&str, f64)]) -> Result<Self, Error> {
+        let entry = SHAPES.iter().find(|entry| entry.id == shape).ok_or_else(|| {
+            let known: Vec<&str> = SHAPES.iter().map(|entry| entry.id).collect();
+            Error::UnknownEffect { id: shape.to_owned(), known: known.join(", ") }
+        })?;
+        Self::of(entry, parameters)
+    }
+
+    fn of(entry: &'static Entry, parameters: &[(&str, f64)]) -> Result<Self, Error> {
         let wrong = |problem| Error::Parameter { id: entry.id, problem };
         let known = || entry.parameters.iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
         if let Some((name, _)) =

@@ -9,7 +9,7 @@ use host_sim::{Background, CATALOGUE, Flight, Mount, OUTSIDE, Plant, Scenario, S
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use sysid::diagnosis::baseline::read_model;
-use sysid::model::file::ModelFile;
+use sysid::model::file::{EffectEntry, ModelFile};
 
 /// Flies a whole test (PRBS sections I to III, closed loop IV) on a simulated vehicle and writes the recording
 ///
@@ -186,12 +186,17 @@ fn plant(model: &ModelFile, file: &str) -> Result<Plant, Failure> {
     })
 }
 
+/// The model's effects. Terms without a name come first: there they see the command before any effect has changed it.
 fn effects(model: &ModelFile) -> Result<Vec<Setting>, host_sim::Error> {
-    let setting = |entry: &sysid::model::file::EffectEntry| {
-        let named: Vec<(&str, f64)> = entry.parameters.iter().map(|(name, v)| (name.as_str(), *v)).collect();
-        Setting::new(&entry.id, &named)
+    let (nameless, named): (Vec<_>, Vec<_>) = model.effects.iter().partition(|entry| entry.shape.is_some());
+    let setting = |entry: &EffectEntry| {
+        let values: Vec<(&str, f64)> = entry.parameters.iter().map(|(name, v)| (name.as_str(), *v)).collect();
+        match &entry.shape {
+            Some(shape) => Setting::unlisted(shape, &values),
+            None => Setting::new(&entry.id, &values),
+        }
     };
-    model.effects.iter().map(setting).collect()
+    nameless.into_iter().chain(named).map(setting).collect()
 }
 
 fn told(arguments: &Arguments, flight: &Flight) -> String {
@@ -215,6 +220,16 @@ fn told(arguments: &Arguments, flight: &Flight) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use host_sim::sensors::Noise;
+    use sysid::dataset::Amplitudes;
+    use sysid::diagnosis::baseline::Baseline;
+    use sysid::diagnosis::effects::Effect;
+    use sysid::diagnosis::free_run::vaf_by_place;
+    use sysid::diagnosis::held_out::Split;
+    use sysid::diagnosis::problem::Problem;
+    use sysid::diagnosis::scaled;
+
+    const ANY: Amplitudes = Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 1.0 };
 
     #[test]
     fn effects_are_parsed_with_and_without_parameters() {
@@ -241,5 +256,46 @@ mod tests {
         let model = sysid::model::file::parse("m.toml", &format!("{text}dM_dq_N_m_s = -0.3\n"), &[]).unwrap();
         let plant = plant(&model, "m.toml").unwrap();
         assert_eq!((plant.dm_dq, plant.dm_du, plant.delay_s, plant.mount), (-0.3, 20.0, 0.05, None));
+    }
+
+    /// Free-run VAF of `model` over what `scenario` recorded, the model's values as they are.
+    fn simulated(model: &ModelFile, scenario: &Scenario) -> f64 {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flown.csv");
+        fly(scenario).unwrap().write_recording(&path).unwrap();
+        let recording = sysid::recording::read(&path, &sysid::recording::ReadOptions::default()).unwrap();
+        let data = sysid::dataset::Dataset::new(&[recording]).unwrap();
+        let baseline = Baseline::from_model(model, &data).unwrap();
+        let split = Split::new(&data);
+        let problem = Problem::new(&data, &baseline, &split.held_out);
+        let values = [problem.plant_start(), problem.noise_start(0.03)].concat();
+        let vaf = vaf_by_place(&problem, &problem.unpack(&[], &values), &split.training);
+        vaf.iter().sum::<f64>() / vaf.len() as f64
+    }
+
+    #[test]
+    fn a_term_without_a_name_flies_as_the_model_says() {
+        let nominal =
+            "[plant]\ninertia_kg_m2 = 0.1705\ndelay_s = 0.06\ndM_dq_N_m_s = -0.27\ndM_du_N_m = 23.0\n";
+        let scales =
+            [("scale_q_rad_s", 0.4), ("scale_theta_rad", 0.15), ("scale_u", 0.01), ("duration_s", 100.0)];
+        for scaled in scaled::all() {
+            let shape = scaled.about().id;
+            let mut model = sysid::model::file::parse("m.toml", nominal, &[]).unwrap();
+            let bare = model.clone();
+            let size = |name: &str| scales.iter().find(|(scale, _)| *scale == name).map_or(-0.02, |s| s.1);
+            let parameters =
+                scaled.parameters(&ANY).iter().map(|p| (p.name.to_owned(), size(p.name))).collect();
+            let (id, shape_of) = (scaled::UNLISTED.to_owned(), Some(shape.to_owned()));
+            model.effects.push(EffectEntry { id, shape: shape_of, parameters, remark: None });
+            let mut scenario = Scenario::campaign(4, 0.015, 3).unwrap();
+            scenario.background = Background::None;
+            scenario.noise = Noise { q_rad_s: 0.0, theta_rad: 0.0, qdot_rad_s2: 0.0 };
+            scenario.plant = plant(&model, "m.toml").unwrap();
+            scenario.conceal(effects(&model).unwrap());
+            let (with, without) = (simulated(&model, &scenario), simulated(&bare, &scenario));
+            println!("{shape}: {with:.3} with the term, {without:.3} without");
+            assert!(100.0 - with < 0.01 * (100.0 - without), "{shape}: {with} {without}");
+        }
     }
 }

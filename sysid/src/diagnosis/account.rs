@@ -3,7 +3,7 @@
 use super::anonymous::Anonymous;
 use super::answer::{Alternative, Answer, EffectAnswer, Evidence, FitAnswer, Location, Verdict};
 use super::diagnose::Diagnosis;
-use super::effects::{Effect, Locus, find};
+use super::effects::{Effect, Locus};
 use super::experiment;
 use super::free_run::{judged, judged_channel, simulate, starting_points};
 use super::gust::Gust;
@@ -54,8 +54,8 @@ pub fn account(judgement: &Judgement<'_, '_>, notes: Vec<String>) -> Diagnosis {
         notes,
     };
     let summary = words::summary(&answer, &judgement.refused, judgement.corrected);
-    let mut model = problem.unpack(&simulated.fit.effects, &simulated.simulation).to_model_file();
-    model.effects.retain(|entry| find(&entry.id).is_some());
+    let unpacked = problem.unpack(&simulated.fit.effects, &simulated.simulation);
+    let mut model = unpacked.to_model_file(&problem.sizes);
     if let Some(gust) = &judgement.gust {
         model.effects.push(gust.entry());
     }
@@ -205,6 +205,8 @@ impl Gust {
     fn entry(&self) -> crate::model::file::EffectEntry {
         crate::model::file::EffectEntry {
             id: self.about().id.into(),
+            shape: None,
+            remark: None,
             parameters: self.parameters.iter().map(|p| (p.name.clone(), p.value)).collect(),
         }
     }

@@ -80,8 +80,13 @@ fn lag(state: &mut f64, input: f64, time: f64, dt: f64) {
 }
 
 /// A moment of one product of signals.
-const fn product(id: &'static str, words: &'static str, shapes: fn(&Signals) -> [f64; MOST]) -> Anonymous {
-    Anonymous { id, variable: id, words, count: 1, shapes, ..PLAIN }
+const fn product(
+    id: &'static str,
+    variable: &'static str,
+    words: &'static str,
+    shapes: fn(&Signals) -> [f64; MOST],
+) -> Anonymous {
+    Anonymous { id, variable, words, count: 1, shapes, ..PLAIN }
 }
 
 /// All terms without a name.
@@ -127,15 +132,25 @@ pub const ANONYMOUS: &[&Anonymous] = &[
         shapes: |s| shapes([1.0, s.v.abs()]),
         ..PLAIN
     },
-    &product("|q| u", "an effectiveness that depends on the speed of rotation", |s| {
+    &product("abs_q_times_u", "|q| u", "an effectiveness that depends on the speed of rotation", |s| {
         shapes([s.x.abs() * s.v])
     }),
-    &product("q |u|", "a damping that depends on the command", |s| shapes([s.x * s.v.abs()])),
-    &product("|theta| u", "an effectiveness that depends on the angle", |s| shapes([s.y.abs() * s.v])),
-    &product("q |theta|", "a damping that depends on the angle", |s| shapes([s.x * s.y.abs()])),
-    &product("q u", "a moment of rate and command together", |s| shapes([s.x * s.v])),
-    &product("theta u", "an effectiveness that is another nose-up than nose-down", |s| shapes([s.y * s.v])),
-    &product("q theta", "a damping that is another nose-up than nose-down", |s| shapes([s.x * s.y])),
+    &product("q_times_abs_u", "q |u|", "a damping that depends on the command", |s| {
+        shapes([s.x * s.v.abs()])
+    }),
+    &product("abs_theta_times_u", "|theta| u", "an effectiveness that depends on the angle", |s| {
+        shapes([s.y.abs() * s.v])
+    }),
+    &product("q_times_abs_theta", "q |theta|", "a damping that depends on the angle", |s| {
+        shapes([s.x * s.y.abs()])
+    }),
+    &product("q_times_u", "q u", "a moment of rate and command together", |s| shapes([s.x * s.v])),
+    &product("theta_times_u", "theta u", "an effectiveness that is another nose-up than nose-down", |s| {
+        shapes([s.y * s.v])
+    }),
+    &product("q_times_theta", "q theta", "a damping that is another nose-up than nose-down", |s| {
+        shapes([s.x * s.y])
+    }),
     &Anonymous {
         id: "of_q_and_theta",
         variable: "theta",

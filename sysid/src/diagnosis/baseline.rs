@@ -1,11 +1,12 @@
 //! The baseline of a diagnosis: the user's simulation, or the grey-box pitch model with values to start from.
 
 use super::effects::{CATALOGUE, Effect, find};
+use super::scaled::{self, UNLISTED};
 use crate::dataset::{Amplitudes, Dataset, decorrelation};
 use crate::error::{Error, ErrorKind};
-use crate::model::file::{EffectEntry, ModelFile, PlantSection};
+use crate::model::file::{EffectEntry, KnownEffect, ModelFile, PlantSection};
 use crate::model::grey_box::{Mount, Plant};
-use crate::model::pitch::Term;
+use crate::model::pitch::{OWN_STATES, Term};
 use crate::recording::InputUnit;
 use nalgebra::{Matrix3, Vector3};
 use std::path::Path;
@@ -25,6 +26,8 @@ pub struct Baseline {
 const REFERENCE_INERTIA: f64 = 0.1705;
 /// Loop delay adopted there, s.
 const REFERENCE_DELAY: f64 = 0.06;
+/// Most states that the effects have which a diagnosis adds: three of the catalogue, and a term without a name.
+const STATES_OF_CANDIDATES: usize = 3 * 2 + 3;
 
 impl Baseline {
     /// Without a user's model: a recording whose input is blade pitch in rad is taken for the reference vehicle (known
@@ -66,16 +69,13 @@ impl Baseline {
             delay: model.plant.delay_s.unwrap_or(fallback.delay),
             mount,
         };
-        let mut terms = Vec::new();
-        for entry in &model.effects {
-            let effect = find(&entry.id).ok_or_else(|| unknown_effect(&entry.id))?;
-            let names = parameter_names(effect);
-            let values =
-                names.iter().filter_map(|name| entry.parameters.get(*name).copied()).collect::<Vec<_>>();
-            if values.len() != names.len() {
-                return Err(unknown_effect(&entry.id));
-            }
-            terms.push(Term { effect, values });
+        let terms = model.effects.iter().map(term).collect::<Result<Vec<_>, Error>>()?;
+        let states: usize = terms.iter().map(|term| term.effect.states()).sum();
+        if states + STATES_OF_CANDIDATES > OWN_STATES {
+            let found = format!("effects with {states} states of their own");
+            let most = OWN_STATES - STATES_OF_CANDIDATES;
+            return Err(Error::new(ErrorKind::Model, found, "leave out those that matter least")
+                .expecting(format!("at most {most} (lags have 1, modes 2, terms with a memory 3)")));
         }
         Ok(Self { plant, delay_free: model.plant.delay_s.is_none(), terms })
     }
@@ -86,7 +86,7 @@ impl Baseline {
     }
 }
 
-/// A plant with its effects as a model file.
+/// A plant with its effects as a model file. Terms without a name have their scales ([`scaled::carried`]).
 pub fn model_file(plant: &Plant, terms: &[Term]) -> ModelFile {
     ModelFile {
         plant: PlantSection {
@@ -98,27 +98,36 @@ pub fn model_file(plant: &Plant, terms: &[Term]) -> ModelFile {
             mount_c: plant.mount.map(|m| m.damping),
             mount_j: plant.mount.map(|m| m.inertia),
         },
-        effects: terms
-            .iter()
-            .map(|term| EffectEntry {
-                id: term.effect.about().id.into(),
-                parameters: parameter_names(term.effect)
-                    .into_iter()
-                    .map(String::from)
-                    .zip(term.values.iter().copied())
-                    .collect(),
-            })
-            .collect(),
+        effects: terms.iter().map(|term| scaled::entry(term, &parameter_names(term.effect))).collect(),
         intervals: Default::default(),
     }
 }
 
 /// Reads a model file against the catalogue of effects.
 pub fn read_model(path: &Path) -> Result<ModelFile, Error> {
-    let names: Vec<(&str, Vec<&str>)> =
-        CATALOGUE.iter().map(|e| (e.about().id, parameter_names(*e))).collect();
-    let table: Vec<(&str, &[&str])> = names.iter().map(|(id, names)| (*id, names.as_slice())).collect();
-    crate::model::file::read(path, &table)
+    let named = CATALOGUE.iter().map(|&effect| KnownEffect {
+        id: effect.about().id,
+        shape: None,
+        parameters: parameter_names(effect),
+    });
+    let nameless = scaled::all().map(|effect| KnownEffect {
+        id: UNLISTED,
+        shape: Some(effect.about().id),
+        parameters: parameter_names(effect),
+    });
+    crate::model::file::read(path, &named.chain(nameless).collect::<Vec<_>>())
+}
+
+/// An entry of a model file as a term of the model.
+fn term(entry: &EffectEntry) -> Result<Term, Error> {
+    let effect: Option<&'static dyn Effect> = match &entry.shape {
+        Some(shape) if entry.id == UNLISTED => scaled::find(shape).map(|scaled| scaled as _),
+        _ => find(&entry.id),
+    };
+    let effect = effect.ok_or_else(|| unknown_effect(&entry.id))?;
+    let names = parameter_names(effect);
+    let values: Vec<f64> = names.iter().filter_map(|name| entry.parameters.get(*name).copied()).collect();
+    if values.len() == names.len() { Ok(Term { effect, values }) } else { Err(unknown_effect(&entry.id)) }
 }
 
 /// Names of an effect's parameters.

@@ -18,6 +18,7 @@ mod judgement;
 pub mod locate;
 pub mod problem;
 pub mod rank;
+pub mod scaled;
 pub mod search;
 pub mod unlisted;
 pub mod words;

@@ -1,10 +1,12 @@
 //! One estimation problem: the data, the baseline, and which samples count; its unknowns and its residuals.
 
-use super::baseline::Baseline;
+use super::baseline::{Baseline, model_file};
 use super::effects::Effect;
+use super::scaled::carried;
 use crate::dataset::{Amplitudes, Dataset, Place};
 use crate::diagnosis::effects::Scale;
 use crate::identify::levenberg_marquardt::Coordinate;
+use crate::model::file::ModelFile;
 use crate::model::grey_box::{Disturbance, Mount, Plant};
 use crate::model::pitch::{Gains, Output, PitchModel, Point, Term};
 
@@ -31,9 +33,10 @@ pub struct Unpacked {
 }
 
 impl Unpacked {
-    /// The model that this is, as a file.
-    pub fn to_model_file(&self) -> crate::model::file::ModelFile {
-        super::baseline::model_file(&self.plant, &self.terms)
+    /// The model that this is, as a file. Terms without a name were fitted to data of these `sizes`.
+    pub fn to_model_file(&self, sizes: &Amplitudes) -> ModelFile {
+        let terms: Vec<Term> = self.terms.iter().map(|term| carried(term, sizes)).collect();
+        model_file(&self.plant, &terms)
     }
 }
 

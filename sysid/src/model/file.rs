@@ -10,18 +10,28 @@
 //! [[effect]]
 //! id = "gravity_stiffness"
 //! G = 0.4
+//!
+//! [[effect]]                    # a term without a name: docs/unlisted-terms.md
+//! id = "unlisted"
+//! shape = "of_theta_by_side"
+//! c1_N_m = -0.021
+//! c2_N_m = 0.034
+//! scale_q_rad_s = 0.31          # what rate, angle, input and time are divided by in its shapes
+//! scale_theta_rad = 0.12
+//! scale_u = 0.015
+//! duration_s = 98.4
 //! ```
+
+mod effect;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use toml::{Spanned, Value};
+use toml::Spanned;
 
-use crate::error::{Error, ErrorKind, quote};
-
-/// The effects that a model file may name: id and parameter names, all of which must be given.
-pub type EffectTable<'a> = &'a [(&'a str, &'a [&'a str])];
+use crate::error::{Error, ErrorKind};
+pub use effect::{EffectEntry, KnownEffect, SCALES};
 
 /// A model: the plant, the effects it has besides, and what is known of the parameters' uncertainty.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -62,16 +72,6 @@ pub struct PlantSection {
     pub mount_j: Option<f64>,
 }
 
-/// One effect with its parameters, in the units of the catalogue.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct EffectEntry {
-    /// Id of the catalogue.
-    pub id: String,
-    /// Value by parameter name.
-    #[serde(flatten)]
-    pub parameters: BTreeMap<String, f64>,
-}
-
 /// What is known of one parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -86,7 +86,7 @@ pub struct Interval {
 struct Raw {
     plant: Spanned<PlantSection>,
     #[serde(default)]
-    effect: Vec<Spanned<BTreeMap<Spanned<String>, Spanned<Value>>>>,
+    effect: Vec<effect::Raw>,
     #[serde(default)]
     interval: BTreeMap<Spanned<String>, Spanned<Interval>>,
 }
@@ -95,7 +95,7 @@ struct Raw {
 ///
 /// # Errors
 /// As [`parse`], and where the file cannot be read.
-pub fn read(path: &Path, effects: EffectTable) -> Result<ModelFile, Error> {
+pub fn read(path: &Path, effects: &[KnownEffect]) -> Result<ModelFile, Error> {
     let name = path.display().to_string();
     if path.is_dir() {
         return Err(Error::from_io(&name, &std::io::ErrorKind::IsADirectory.into()));
@@ -114,12 +114,12 @@ pub fn read(path: &Path, effects: EffectTable) -> Result<ModelFile, Error> {
 /// # Errors
 /// No TOML, an unknown key, effect or parameter, a value of the wrong type or outside its legal range, a mount with
 /// one or two of its three values. The error names the file and the line.
-pub fn parse(name: &str, text: &str, effects: EffectTable) -> Result<ModelFile, Error> {
+pub fn parse(name: &str, text: &str, effects: &[KnownEffect]) -> Result<ModelFile, Error> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     parse_unnamed(&Source { text }, effects).map_err(|error| error.in_file(name))
 }
 
-fn parse_unnamed(source: &Source, table: EffectTable) -> Result<ModelFile, Error> {
+fn parse_unnamed(source: &Source, table: &[KnownEffect]) -> Result<ModelFile, Error> {
     let raw: Raw = toml::from_str(source.text).map_err(|error| source.syntax(&error))?;
     check_plant(raw.plant.get_ref()).map_err(|(key, error)| {
         error.in_column(key).at_line(source.line_of_key(raw.plant.span().start, key))
@@ -127,7 +127,7 @@ fn parse_unnamed(source: &Source, table: EffectTable) -> Result<ModelFile, Error
     let effects = raw
         .effect
         .into_iter()
-        .map(|entry| effect(source, entry, table))
+        .map(|entry| effect::checked(source, entry, table))
         .collect::<Result<Vec<_>, Error>>()?;
     let mut intervals = BTreeMap::new();
     for (key, interval) in raw.interval {
@@ -215,58 +215,6 @@ fn positive(value: f64) -> bool {
     value.is_finite() && value > 0.0
 }
 
-type RawEffect = Spanned<BTreeMap<Spanned<String>, Spanned<Value>>>;
-
-fn effect(source: &Source, entry: RawEffect, table: EffectTable) -> Result<EffectEntry, Error> {
-    let line = source.line(entry.span().start);
-    let mut id = None;
-    let mut parameters = BTreeMap::new();
-    for (key, value) in entry.into_inner() {
-        let (line, key) = (source.line(key.span().start), key.into_inner());
-        let refuse = |expected| {
-            let found = format!("found {}", quote(&value.get_ref().to_string()));
-            Error::new(ErrorKind::Model, found, "correct the value")
-                .at_line(line)
-                .in_column(key.as_str())
-                .expecting(expected)
-        };
-        match value.get_ref() {
-            Value::String(text) if key == "id" => id = Some((text.clone(), line)),
-            _ if key == "id" => return Err(refuse("the id of an effect, in quotes")),
-            Value::Float(number) if number.is_finite() => drop(parameters.insert(key, (*number, line))),
-            Value::Integer(number) => drop(parameters.insert(key, (*number as f64, line))),
-            _ => return Err(refuse("a finite number")),
-        }
-    }
-    let Some((id, id_line)) = id else {
-        return Err(
-            Error::new(ErrorKind::Model, "an effect without id", "add a line id = \"...\"").at_line(line)
-        );
-    };
-    let Some((_, names)) = table.iter().find(|(known, _)| *known == id) else {
-        let ids: Vec<&str> = table.iter().map(|(known, _)| *known).collect();
-        let found = format!("unknown effect {}", quote(&id));
-        return Err(Error::new(ErrorKind::Model, found, "correct the id or delete the entry")
-            .at_line(id_line)
-            .in_column("id")
-            .expecting(format!("one of {}", ids.join(", "))));
-    };
-    let expected = format!("{id} with {}", names.join(", "));
-    if let Some((key, (_, line))) = parameters.iter().find(|(key, _)| !names.contains(&key.as_str())) {
-        return Err(Error::new(ErrorKind::Model, "unknown parameter", "correct the key or delete the line")
-            .at_line(*line)
-            .in_column(key.as_str())
-            .expecting(expected));
-    }
-    if let Some(missing) = names.iter().find(|name| !parameters.contains_key(**name)) {
-        return Err(Error::new(ErrorKind::Model, format!("{id} without {missing}"), "add the parameter")
-            .at_line(id_line)
-            .in_column(*missing)
-            .expecting(expected));
-    }
-    Ok(EffectEntry { id, parameters: parameters.into_iter().map(|(key, (value, _))| (key, value)).collect() })
-}
-
 const PLANT_KEYS: [&str; 7] =
     ["inertia_kg_m2", "delay_s", "dM_dq_N_m_s", "dM_du_N_m", "mount_k_N_m", "mount_c_N_m_s", "mount_J_kg_m2"];
 
@@ -309,9 +257,26 @@ impl ModelFile {
         for (key, interval) in &self.intervals {
             check_interval(key, *interval, &self.effects).map_err(|error| error.in_column(key.as_str()))?;
         }
-        toml::to_string(self).map_err(|error| {
+        let text = toml::to_string(self).map_err(|error| {
             Error::new(ErrorKind::Model, format!("cannot be written as TOML: {error}"), "report this")
-        })
+        })?;
+        Ok(self.with_remarks(&text))
+    }
+
+    /// `text` with each effect's remark above its entry.
+    fn with_remarks(&self, text: &str) -> String {
+        let mut remarks = self.effects.iter().map(|effect| effect.remark.as_deref());
+        let mut whole = String::new();
+        for line in text.lines() {
+            if line == "[[effect]]"
+                && let Some(remark) = remarks.next().flatten()
+            {
+                whole.push_str(&format!("# {remark}\n"));
+            }
+            whole.push_str(line);
+            whole.push('\n');
+        }
+        whole
     }
 }
 
@@ -319,7 +284,10 @@ impl ModelFile {
 mod tests {
     use super::*;
 
-    const TABLE: EffectTable = &[("gravity_stiffness", &["G"]), ("inflow_lag", &["g", "T_lambda"])];
+    fn table() -> [KnownEffect; 2] {
+        let named = |id, parameters| KnownEffect { id, shape: None, parameters };
+        [named("gravity_stiffness", vec!["G"]), named("inflow_lag", vec!["g", "T_lambda"])]
+    }
     const FULL: &str = "# in use\n[plant]\ninertia_kg_m2 = 0.1705\ndelay_s = 0.06\ndM_dq_N_m_s = -0.27\n\
         dM_du_N_m = 23\nmount_k_N_m = 3.87\nmount_c_N_m_s = 0.0264\nmount_J_kg_m2 = 5.0e-4\n\n\
         [[effect]]\nid = \"gravity_stiffness\"\nG = 0.4\n\n[[effect]]\nid = \"inflow_lag\"\ng = 0.3\nT_lambda = 1\n\n\
@@ -327,25 +295,25 @@ mod tests {
         [interval.\"inflow_lag.g\"]\nci95 = [0, 1]\n";
 
     fn refused(text: &str) -> Error {
-        parse("m.toml", text, TABLE).expect_err("this model must be refused")
+        parse("m.toml", text, &table()).expect_err("this model must be refused")
     }
 
     #[test]
     fn reads_every_part() {
-        let model = parse("m.toml", FULL, TABLE).unwrap();
+        let model = parse("m.toml", FULL, &table()).unwrap();
         assert_eq!((model.plant.dm_dq, model.plant.dm_du), (Some(-0.27), Some(23.0)));
         assert_eq!(model.plant.mount_j, Some(5.0e-4));
         assert_eq!(model.effects[1].parameters["T_lambda"], 1.0);
         assert_eq!(model.intervals["G"].ci95, [0.3, 0.5]);
-        let least = parse("m.toml", "[plant]\ninertia_kg_m2 = 1.0", TABLE).unwrap();
+        let least = parse("m.toml", "[plant]\ninertia_kg_m2 = 1.0", &table()).unwrap();
         assert_eq!((least.plant.delay_s, least.plant.mount_k), (None, None));
     }
 
     #[test]
     fn what_is_written_reads_back() {
-        let model = parse("m.toml", FULL, TABLE).unwrap();
+        let model = parse("m.toml", FULL, &table()).unwrap();
         let text = model.to_toml().unwrap();
-        assert_eq!(parse("m.toml", &text, TABLE).unwrap(), model, "{text}");
+        assert_eq!(parse("m.toml", &text, &table()).unwrap(), model, "{text}");
         let mut broken = model;
         broken.plant.dm_dq = Some(f64::NAN);
         assert!(broken.to_toml().is_err());

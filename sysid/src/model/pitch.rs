@@ -16,7 +16,7 @@ use nalgebra::{RowSVector, SMatrix};
 /// Longest step of the midpoint rule, s.
 const LONGEST_STEP: f64 = 0.0101;
 /// Room for the effects' own states.
-const OWN_STATES: usize = 12;
+pub const OWN_STATES: usize = 24;
 /// A pitch rate is "rest" below this share of its standard deviation.
 const REST: f64 = 0.02;
 /// Leak of an angle that nothing observes, 1/s.
