@@ -243,6 +243,7 @@ fn an_extended_model_keeps_what_has_no_name() {
     };
     let first = diagnosed(&["flight.csv"]);
     assert_eq!((&first["verdict"], &first["effects"][0]["id"]), (&"unlisted".into(), &"unlisted".into()));
+    assert!(first["effects"][0]["evidence"]["p_value"].as_f64().unwrap() < 1e-12);
     let extended = bench.read("out.toml");
     assert_names(
         &extended,

@@ -3,12 +3,13 @@
 
 use super::answer::Verdict;
 use super::consistency::inconsistency;
+use super::effects::Effect;
 use super::goodness::{Departure, Goodness, goodness};
 use super::gust::{Gust, gust};
 use super::held_out::Split;
 use super::judge::{Judged, held_out_gain};
 use super::problem::Problem;
-use super::rank::{DETECTION, Finding, Selection, without};
+use super::rank::{DETECTION, Finding, Selection, odds, without};
 use super::search::Fit;
 use super::unlisted::{Leftover, leftover};
 use std::collections::BTreeMap;
@@ -185,6 +186,8 @@ fn unlisted(problem: &Problem<'_>, split: &Split, selection: &mut Selection) -> 
         && held_out_gain(problem, split, &selection.extended, &fit) > 0.0
     {
         found.delta_bic = selection.baseline.bic(problem) - fit.bic(problem);
+        let gain = selection.baseline.criterion() - fit.criterion();
+        found.p_value = odds(gain, term.parameters(&problem.sizes).len());
         found.term = term;
         selection.findings.clear();
         selection.extended = fit;
