@@ -1,8 +1,11 @@
 //! Time of the methods on the sizes that recordings have.
 
+mod signal;
+
 use divan::{Bencher, black_box};
 use estimator_core::convergence::ConvergenceConfig;
 use estimator_core::lms::LmsConfig;
+use signal::{TwoLevel, uniform};
 use sysid::identify::fir::{FirOptions, Piece, fit};
 use sysid::identify::{kung, lms};
 
@@ -12,19 +15,10 @@ fn main() {
 
 /// Two-level input with switches every 20 to 40 samples, and a first-order response with a little noise.
 fn campaign(samples: usize) -> [Vec<f64>; 2] {
-    let mut seed = 1_u64;
-    let mut uniform = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    let (mut level, mut left, mut rate) = (0.015, 0, 0.0);
+    let (mut uniform, mut input, mut rate) = (uniform(1), TwoLevel::new(), 0.0);
     let (mut u, mut q) = (Vec::new(), Vec::new());
     for _ in 0..samples {
-        if left == 0 {
-            level = -level;
-            left = 20 + (20.0 * uniform()) as usize;
-        }
-        left -= 1;
+        let level = input.next(&mut uniform);
         q.push(rate + 0.02 * (uniform() - 0.5));
         u.push(level);
         rate = 0.95 * rate + 2.0 * level;

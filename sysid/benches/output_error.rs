@@ -1,6 +1,9 @@
 //! Time of the grey box by maximum likelihood: one core, 3 × 1250 samples.
 
+mod signal;
+
 use divan::{Bencher, black_box};
+use signal::{TwoLevel, uniform};
 use sysid::identify::fir::Piece;
 use sysid::identify::hinf_match::{MountRange, grey_box_response};
 use sysid::identify::output_error::{Noise, Options, fit};
@@ -19,20 +22,9 @@ const TRUTH: Plant = Plant {
 };
 
 /// Two-level input with switches every 20 to 40 samples, the plant's answer and white noise.
-fn record(samples: usize, mut seed: u64) -> Option<[Vec<f64>; 2]> {
-    let mut uniform = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    let (mut level, mut left, mut u) = (0.015, 0, Vec::new());
-    for _ in 0..samples {
-        if left == 0 {
-            level = -level;
-            left = 20 + (20.0 * uniform()) as usize;
-        }
-        left -= 1;
-        u.push(level);
-    }
+fn record(samples: usize, seed: u64) -> Option<[Vec<f64>; 2]> {
+    let (mut uniform, mut input) = (uniform(seed), TwoLevel::new());
+    let u: Vec<f64> = (0..samples).map(|_| input.next(&mut uniform)).collect();
     let model = grey_box_response(&TRUTH).ok()?.sampled(0.02).ok()?;
     let delayed: Vec<f64> = std::iter::repeat_n(u[0], 3).chain(u.iter().copied()).take(samples).collect();
     let y = model.simulate(&delayed, None).iter().map(|y| y + 0.07 * (uniform() - 0.5)).collect();

@@ -1,6 +1,9 @@
 //! Time of subspace identification: one core, one record of 3 × 1250 samples.
 
+mod signal;
+
 use divan::{Bencher, black_box};
+use signal::{TwoLevel, uniform};
 use sysid::identify::block_hankel::Instruments;
 use sysid::identify::fir::Piece;
 use sysid::identify::pi_moesp::{Method, identify, search};
@@ -10,20 +13,11 @@ fn main() {
 }
 
 /// Two-level input with switches every 20 to 40 samples, and a second-order response with noise.
-fn record(samples: usize, mut seed: u64) -> [Vec<f64>; 2] {
-    let mut uniform = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    let (mut level, mut left, mut x) = (0.015, 0, [0.0; 2]);
+fn record(samples: usize, seed: u64) -> [Vec<f64>; 2] {
+    let (mut uniform, mut input, mut x) = (uniform(seed), TwoLevel::new(), [0.0; 2]);
     let (mut u, mut y) = (Vec::new(), Vec::new());
     for k in 0..samples {
-        if left == 0 {
-            level = -level;
-            left = 20 + (20.0 * uniform()) as usize;
-        }
-        left -= 1;
-        u.push(level);
+        u.push(input.next(&mut uniform));
         y.push(x[0] + 0.05 * (uniform() - 0.5));
         let delayed = if k < 3 { 0.0 } else { u[k - 3] };
         x = [0.94 * x[0] + 0.02 * x[1] + 1.5 * delayed, 0.5 * x[1] + 4.0 * delayed];

@@ -1,36 +1,16 @@
 //! The campaigns of an independent program, and the figures that it reached (`data/reference/README.md`).
 
+mod reference;
+
 use estimator_core::convergence::ConvergenceConfig;
 use estimator_core::lms::LmsConfig;
-use std::path::PathBuf;
+use reference::{campaign, joined};
 use sysid::dataset::Dataset;
 use sysid::identify::fir::{Fir, FirOptions, Piece, ceiling_vaf, fit, pieces};
 use sysid::identify::kung::realise;
 use sysid::identify::lms::replay;
-use sysid::recording::{ReadOptions, Recording, read};
+use sysid::recording::Recording;
 use sysid::validate::vaf::vaf;
-
-/// The recordings of amplitude 12, 15 and 19 mrad; `None` where the reference data are absent.
-fn campaign(kind: &str) -> Option<Vec<Recording>> {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/reference"));
-    let path = |amplitude: &str| folder.join(format!("data_{kind}_{amplitude}_seed0.csv"));
-    if !path("a015").exists() {
-        println!("skipped: the reference campaigns are not in {}", folder.display());
-        return None;
-    }
-    Some(["a012", "a015", "a019"].map(|a| read(&path(a), &ReadOptions::default()).unwrap()).into())
-}
-
-/// Section I of each, one after the other as if it were one record: what the independent program learnt from.
-fn joined(recordings: &[Recording]) -> [Vec<f64>; 2] {
-    let mut joined = [Vec::new(), Vec::new()];
-    for recording in recordings {
-        let rows = recording.section("I").unwrap().rows.clone();
-        joined[0].extend_from_slice(&recording.u[rows.clone()]);
-        joined[1].extend_from_slice(&recording.q.as_deref().unwrap()[rows]);
-    }
-    joined
-}
 
 /// Input and pitch rate of sections IV and II of the 15 mrad recording.
 fn validation(recordings: &[Recording]) -> [[&[f64]; 2]; 2] {

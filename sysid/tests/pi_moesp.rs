@@ -4,24 +4,13 @@ mod reference;
 
 use nalgebra::{Complex, DMatrix, DVector, RowDVector};
 use proptest::prelude::*;
-use reference::{campaign, piece};
+use reference::{campaign, joined, piece};
 use sysid::identify::block_hankel::{Correlations, Instruments, Stretch, stretches, transposed};
 use sysid::identify::fir::Piece;
 use sysid::identify::pi_moesp::{Method, identify, search};
 use sysid::model::state_space::StateSpace;
 use sysid::recording::Recording;
 use sysid::validate::vaf::vaf;
-
-/// Section I of each, one after the other as if it were one record: what the independent program learnt from.
-fn joined(recordings: &[Recording]) -> [Vec<f64>; 2] {
-    let mut joined = [Vec::new(), Vec::new()];
-    for recording in recordings {
-        let rows = recording.section("I").unwrap().rows.clone();
-        joined[0].extend_from_slice(&recording.u[rows.clone()]);
-        joined[1].extend_from_slice(&recording.q.as_deref().unwrap()[rows]);
-    }
-    joined
-}
 
 fn whole<'a>(u: &'a [f64], y: &'a [f64], supervised: &'a [bool], run: usize) -> Piece<'a> {
     Piece { u, y, supervised, rows: 0..u.len(), run, step: 0.02 }

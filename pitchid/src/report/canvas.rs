@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use std::ops::Range;
 
@@ -32,6 +33,9 @@ pub const DARK_STYLE: &str = "\
 
 /// A drawing area that writes into a string.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// A chart over two linear axes.
+pub type Plane<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Draws an SVG picture of `size` (CSS pixels) for a page, with which it scales; `label` is for those who cannot see it.
 pub fn svg(
@@ -71,6 +75,72 @@ pub fn font(size: f64) -> TextStyle<'static> {
 /// `n` CSS pixels on the enlarged canvas.
 pub const fn px(n: u32) -> u32 {
     n * SCALE
+}
+
+/// What stands on the axes of a plane.
+pub struct Axes<'a> {
+    /// Number of labels along x and y, about.
+    pub labels: [usize; 2],
+    /// What x is, with its unit.
+    pub x: &'a str,
+    /// What y is, with its unit.
+    pub y: &'a str,
+}
+
+/// Grid, axes and labels of a chart; `written` is how values of x are.
+pub fn mesh(
+    chart: &mut Plane<'_, '_>,
+    axes: &Axes<'_>,
+    written: &dyn Fn(&f64) -> String,
+) -> Result<(), String> {
+    chart
+        .configure_mesh()
+        .x_labels(axes.labels[0])
+        .y_labels(axes.labels[1])
+        .max_light_lines(0)
+        .bold_line_style(GRID.stroke_width(3))
+        .axis_style(INK.stroke_width(3))
+        .label_style(font(12.0))
+        .axis_desc_style(font(12.0))
+        .x_label_formatter(&written)
+        .y_label_formatter(&tick)
+        .x_desc(axes.x)
+        .y_desc(axes.y)
+        .draw()
+        .map_err(|e| e.to_string())
+}
+
+/// Shades windows of x over the whole height of a chart.
+pub fn shade(
+    chart: &mut Plane<'_, '_>,
+    windows: &[[f64; 2]],
+    span: &Range<f64>,
+    range: &Range<f64>,
+) -> Result<(), String> {
+    for [from, to] in windows {
+        let corners = [(from.max(span.start), range.start), (to.min(span.end), range.end)];
+        if corners[0].0 < corners[1].0 {
+            let shade = Rectangle::new(corners, EXTENDED.mix(0.08).filled());
+            chart.draw_series([shade]).map_err(|e| e.to_string())?;
+        }
+    }
+    Ok(())
+}
+
+/// A line of curves' names with their colours.
+pub fn legend<'a>(
+    area: &Area<'_>,
+    curves: impl IntoIterator<Item = (&'a str, RGBColor)>,
+) -> Result<(), String> {
+    let mut x = 58;
+    for (name, color) in curves {
+        let line = [(x, 13), (x + 22, 13)].map(|(x, y)| (px(x) as i32, px(y) as i32));
+        area.draw(&PathElement::new(line, color.stroke_width(px(2)))).map_err(|e| e.to_string())?;
+        let at = (px(x + 28) as i32, px(7) as i32);
+        area.draw(&Text::new(name, at, font(13.0))).map_err(|e| e.to_string())?;
+        x += 56 + (6.1 * name.chars().count() as f64) as u32;
+    }
+    Ok(())
 }
 
 /// The range of some values with a margin of 6 % on either side; around 0 where there is nothing to see.

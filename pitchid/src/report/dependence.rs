@@ -1,6 +1,6 @@
 //! The residual moment against the signal that it depends on most.
 
-use super::canvas::{EXTENDED, GRID, INK, font, padded, px, svg, tick};
+use super::canvas::{Axes, EXTENDED, INK, mesh, padded, px, svg, tick};
 use super::content::symbol;
 use crate::failure::Failure;
 use plotters::prelude::*;
@@ -23,21 +23,8 @@ pub fn picture(dependence: &Dependence) -> Result<String, Failure> {
             .y_label_area_size(px(62))
             .build_cartesian_2d(padded(classes.iter().map(|c| c[0])), padded(classes.iter().flat_map(ends)))
             .map_err(|e| e.to_string())?;
-        chart
-            .configure_mesh()
-            .x_labels(6)
-            .y_labels(6)
-            .max_light_lines(0)
-            .bold_line_style(GRID.stroke_width(3))
-            .axis_style(INK.stroke_width(3))
-            .label_style(font(12.0))
-            .axis_desc_style(font(12.0))
-            .x_label_formatter(&tick)
-            .y_label_formatter(&tick)
-            .x_desc(format!("{}, {}", symbol(&dependence.variable), dependence.unit))
-            .y_desc("residual moment, N m")
-            .draw()
-            .map_err(|e| e.to_string())?;
+        let x = format!("{}, {}", symbol(&dependence.variable), dependence.unit);
+        mesh(&mut chart, &Axes { labels: [6, 6], x: &x, y: "residual moment, N m" }, &tick)?;
         let mut draw = |points: Vec<(f64, f64)>, color: RGBColor, width: u32| {
             let line = PathElement::new(points, color.stroke_width(width));
             chart.draw_series([line]).map(|_| ()).map_err(|e| e.to_string())

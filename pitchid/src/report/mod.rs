@@ -18,6 +18,9 @@ use traces::View;
 /// Sections drawn besides the first that was held out; a report of more would be too long to read.
 const MOST_SECTIONS: usize = 16;
 
+/// What all pages look like.
+pub const STYLE: &str = include_str!("page.css");
+
 /// A picture with its caption.
 #[derive(Serialize)]
 struct Figure {
@@ -34,6 +37,7 @@ struct Page<'a> {
     /// Number of sections that are in the table only.
     undrawn: usize,
     dependence: Option<String>,
+    style: &'static str,
     dark_style: &'static str,
     json: String,
 }
@@ -59,6 +63,7 @@ pub fn html(content: &Content, traces: &[Trace]) -> Result<String, Failure> {
         others,
         undrawn: traces.len().saturating_sub(MOST_SECTIONS + 1),
         dependence,
+        style: STYLE,
         dark_style: canvas::DARK_STYLE,
         json: embedded_json(content)?,
     };

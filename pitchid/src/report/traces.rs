@@ -1,6 +1,8 @@
 //! Measured against simulated, before and after.
 
-use super::canvas::{Area, BASELINE, EXTENDED, GRID, INK, MEASURED, font, padded, px, standalone, svg, tick};
+use super::canvas::{
+    Area, Axes, BASELINE, EXTENDED, MEASURED, legend, mesh, padded, px, shade, standalone, svg, tick,
+};
 use super::decimate::min_max_rows;
 use crate::failure::Failure;
 use plotters::prelude::*;
@@ -40,7 +42,7 @@ impl View<'_> {
     fn large_of(&self, size: [u32; 2]) -> Result<String, Failure> {
         svg(size, &format!("section {}: measured and simulated", self.trace.label), |area| {
             let (head, rest) = area.split_vertically(px(26));
-            self.legend(&head)?;
+            legend(&head, self.curves().iter().map(|curve| (curve.name, curve.color)))?;
             let share = 0.62 * f64::from(size[1] - 26);
             let (top, bottom) = rest.split_vertically(px(share as u32));
             let signals = self.curves();
@@ -98,18 +100,6 @@ impl View<'_> {
         padded(curves.iter().flat_map(|c| c.values).map(|v| v.clamp(-most, most)))
     }
 
-    fn legend(&self, area: &Area<'_>) -> Result<(), String> {
-        let mut x = 58;
-        for curve in self.curves() {
-            let line = [(x, 13), (x + 22, 13)].map(|(x, y)| (px(x) as i32, px(y) as i32));
-            area.draw(&PathElement::new(line, curve.color.stroke_width(px(2)))).map_err(|e| e.to_string())?;
-            let at = (px(x + 28) as i32, px(7) as i32);
-            area.draw(&Text::new(curve.name, at, font(13.0))).map_err(|e| e.to_string())?;
-            x += 56 + (6.1 * curve.name.chars().count() as f64) as u32;
-        }
-        Ok(())
-    }
-
     fn panel(
         &self,
         area: &Area<'_>,
@@ -128,28 +118,9 @@ impl View<'_> {
             .y_label_area_size(px(56))
             .build_cartesian_2d(span.clone(), range.clone())
             .map_err(|e| e.to_string())?;
-        chart
-            .configure_mesh()
-            .x_labels(9)
-            .y_labels(5)
-            .max_light_lines(0)
-            .bold_line_style(GRID.stroke_width(3))
-            .axis_style(INK.stroke_width(3))
-            .label_style(font(12.0))
-            .axis_desc_style(font(12.0))
-            .x_label_formatter(&|t| if time.is_some() { tick(t) } else { String::new() })
-            .y_label_formatter(&tick)
-            .x_desc(time.unwrap_or(""))
-            .y_desc(what)
-            .draw()
-            .map_err(|e| e.to_string())?;
-        for [from, to] in self.windows {
-            let corners = [(from.max(span.start), range.start), (to.min(span.end), range.end)];
-            if corners[0].0 < corners[1].0 {
-                let shade = Rectangle::new(corners, EXTENDED.mix(0.08).filled());
-                chart.draw_series([shade]).map_err(|e| e.to_string())?;
-            }
-        }
+        let written = |t: &f64| if time.is_some() { tick(t) } else { String::new() };
+        mesh(&mut chart, &Axes { labels: [9, 5], x: time.unwrap_or(""), y: what }, &written)?;
+        shade(&mut chart, self.windows, &span, &range)?;
         for curve in curves {
             let rows = min_max_rows(curve.values, points);
             let line = rows.iter().filter(|&&k| k < t.len());

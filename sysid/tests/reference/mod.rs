@@ -15,6 +15,18 @@ pub fn campaign(kind: &str) -> Option<Vec<Recording>> {
     Some(["a012", "a015", "a019"].map(|a| read(&path(a), &ReadOptions::default()).unwrap()).into())
 }
 
+/// Section I of each, one after the other as if it were one record: what the independent program learnt from.
+#[allow(dead_code)]
+pub fn joined(recordings: &[Recording]) -> [Vec<f64>; 2] {
+    let mut joined = [Vec::new(), Vec::new()];
+    for recording in recordings {
+        let rows = recording.section("I").unwrap().rows.clone();
+        joined[0].extend_from_slice(&recording.u[rows.clone()]);
+        joined[1].extend_from_slice(&recording.q.as_deref().unwrap()[rows]);
+    }
+    joined
+}
+
 /// One section of a recording (not every test takes them apart), as a piece of run number `run`.
 #[allow(dead_code)]
 pub fn piece<'a>(recording: &'a Recording, section: &str, run: usize) -> Piece<'a> {

@@ -17,6 +17,7 @@ struct Page<'a> {
     cases: Vec<Case<'a>>,
     command: String,
     version: &'static str,
+    style: &'static str,
 }
 
 /// One line of the list of cases.
@@ -45,6 +46,7 @@ pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64) -> Result<String,
         cases: outcomes.iter().map(case).collect(),
         command: command(outcomes.len(), seed),
         version: env!("CARGO_PKG_VERSION"),
+        style: crate::report::STYLE,
     };
     environment.get_template("proof").and_then(|t| t.render(Serde(page))).map_err(failed)
 }

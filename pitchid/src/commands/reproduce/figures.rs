@@ -3,7 +3,7 @@
 use super::campaign::{Campaign, closed_loop_label, prbs_label};
 use crate::failure::Failure;
 use crate::report::canvas::{
-    Area, BASELINE, EXTENDED, GRID, INK, MEASURED, font, padded, px, standalone, svg, tick,
+    Area, Axes, BASELINE, EXTENDED, MEASURED, font, mesh, padded, px, standalone, svg, tick,
 };
 use plotters::prelude::*;
 use sysid::identify::compare::Identification;
@@ -183,21 +183,7 @@ impl Chart {
             .build_cartesian_2d(xs.0..xs.1, ys.clone())
             .map_err(|e| e.to_string())?;
         let written = |x: &f64| if self.log_x { tick(&round(10.0_f64.powf(*x))) } else { tick(x) };
-        chart
-            .configure_mesh()
-            .x_labels(9)
-            .y_labels(6)
-            .max_light_lines(0)
-            .bold_line_style(GRID.stroke_width(3))
-            .axis_style(INK.stroke_width(3))
-            .label_style(font(12.0))
-            .axis_desc_style(font(12.0))
-            .x_label_formatter(&written)
-            .y_label_formatter(&tick)
-            .x_desc(self.x)
-            .y_desc(self.y)
-            .draw()
-            .map_err(|e| e.to_string())?;
+        mesh(&mut chart, &Axes { labels: [9, 6], x: self.x, y: self.y }, &written)?;
         let inside = |x: f64, y: f64| (self.place(x).clamp(xs.0, xs.1), y.clamp(ys.start, ys.end));
         let upper = self.band.iter().map(|b| inside(b[0], b[2]));
         let outline: Vec<(f64, f64)> =
