@@ -80,7 +80,7 @@ fn write(arguments: &Arguments, found: &Diagnosis, content: &Content) -> Result<
         put("extended model", path, &found.model.to_toml()?)?;
     }
     if let Some(path) = &arguments.report {
-        put("report", path, &report::html(content, &found.traces)?)?;
+        put("report", path, &report::html(content, &found.traces, &found.over_time)?)?;
     }
     if let Some(path) = &arguments.json {
         put("answer", path, &output::json(&found.answer)?)?;

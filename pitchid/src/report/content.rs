@@ -5,6 +5,7 @@ use serde::Serialize;
 use sysid::diagnosis::answer::{Answer, EffectAnswer, Verdict};
 use sysid::diagnosis::effects;
 use sysid::diagnosis::judge::Trace;
+use sysid::diagnosis::scaled::UNLISTED;
 use sysid::estimate::Estimate;
 use sysid::model::file::ModelFile;
 
@@ -125,12 +126,17 @@ impl Content {
                 Verdict::NotExcited => "none",
             },
             fit: fit_rows(answer, traces),
-            effects: answer.effects.iter().filter(|e| e.id != "unlisted").map(effect_row).collect(),
+            effects: answer.effects.iter().filter(|e| was_added(e)).map(effect_row).collect(),
             parameters: parameter_rows(answer, model.map(|(_, model)| model)),
             location: location_row(answer, traces),
             answer: answer.clone(),
         }
     }
+}
+
+/// Whether an effect was added to the model, and not only described.
+pub fn was_added(effect: &EffectAnswer) -> bool {
+    effect.id != UNLISTED || !effect.parameters.is_empty()
 }
 
 fn verdict(verdict: Verdict) -> &'static str {

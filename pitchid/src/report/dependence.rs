@@ -11,8 +11,7 @@ const NORMAL_95: f64 = 1.96;
 
 /// Means by class of the signal with their 95 % intervals.
 pub fn picture(dependence: &Dependence) -> Result<String, Failure> {
-    let classes: Vec<[f64; 3]> =
-        dependence.classes.iter().filter(|c| c.iter().all(|v| v.is_finite())).copied().collect();
+    let classes = told_apart(&dependence.classes);
     let label = format!("residual moment against {}", dependence.variable);
     svg([440, 280], &label, |area| {
         let ends = |c: &[f64; 3]| [c[1] - NORMAL_95 * c[2], c[1] + NORMAL_95 * c[2], 0.0];
@@ -41,6 +40,20 @@ pub fn picture(dependence: &Dependence) -> Result<String, Failure> {
     })
 }
 
+/// The classes, those at nearly the same value of the signal as one: a two-level input has many such.
+fn told_apart(classes: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    const NEARLY_THE_SAME: f64 = 0.01;
+    let finite: Vec<[f64; 3]> = classes.iter().filter(|c| c.iter().all(|v| v.is_finite())).copied().collect();
+    let range = finite.last().map_or(0.0, |c| c[0]) - finite.first().map_or(0.0, |c| c[0]);
+    let same = |a: &[f64; 3], b: &[f64; 3]| b[0] - a[0] < NEARLY_THE_SAME * range;
+    let one = |group: &[[f64; 3]]| {
+        let n = group.len() as f64;
+        let mean = |i: usize| group.iter().map(|c| c[i]).sum::<f64>() / n;
+        [mean(0), mean(1), group.iter().map(|c| c[2] * c[2]).sum::<f64>().sqrt() / n]
+    };
+    finite.chunk_by(same).map(one).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,5 +65,14 @@ mod tests {
         let drawn = picture(&dependence).unwrap();
         assert_eq!(drawn.matches("<circle").count(), 3);
         assert!(drawn.contains("q, rad/s"));
+    }
+
+    #[test]
+    fn classes_of_one_value_are_one_dot() {
+        let classes = [[-0.015, 0.1, 0.03], [-0.015, 0.3, 0.04], [0.0, 0.0, 0.02], [0.015, -0.1, 0.02]];
+        let shown = told_apart(&classes);
+        assert_eq!(shown.len(), 3);
+        assert_eq!(shown[0][0], -0.015);
+        assert!((shown[0][1] - 0.2).abs() < 1e-12 && (shown[0][2] - 0.025).abs() < 1e-12);
     }
 }

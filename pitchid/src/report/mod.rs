@@ -4,19 +4,23 @@ pub mod canvas;
 pub mod content;
 mod decimate;
 mod dependence;
+mod over_time;
 pub mod traces;
 
 use crate::failure::Failure;
-use content::{Content, is_everywhere};
+use content::{Content, is_everywhere, symbol, was_added};
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
-use sysid::diagnosis::answer::Answer;
+use sysid::diagnosis::answer::{Answer, Dependence};
 use sysid::diagnosis::judge::Trace;
+use sysid::diagnosis::over_time::{OverTime, ResidualMoment};
 use traces::View;
 
 /// Sections drawn besides the first that was held out; a report of more would be too long to read.
 const MOST_SECTIONS: usize = 16;
+/// Recordings whose residual moment is drawn over time.
+const MOST_RECORDINGS: usize = 4;
 
 /// What all pages look like.
 pub const STYLE: &str = include_str!("page.css");
@@ -36,7 +40,8 @@ struct Page<'a> {
     others: Vec<Figure>,
     /// Number of sections that are in the table only.
     undrawn: usize,
-    dependence: Option<String>,
+    dependence: Option<Figure>,
+    over_time: Vec<Figure>,
     style: &'static str,
     dark_style: &'static str,
     json: String,
@@ -46,14 +51,14 @@ struct Page<'a> {
 ///
 /// # Errors
 /// A picture or the page that could not be drawn.
-pub fn html(content: &Content, traces: &[Trace]) -> Result<String, Failure> {
+pub fn html(content: &Content, traces: &[Trace], over_time: &OverTime) -> Result<String, Failure> {
     let failed = |error: minijinja::Error| {
         Failure::new(format!("the report could not be made: {error}"), "leave out --report")
     };
     let answer = &content.answer;
     let (first, others) = figures(content, traces)?;
     let dependence = answer.location.as_ref().and_then(|l| l.dependence.first());
-    let dependence = dependence.map(dependence::picture).transpose()?;
+    let dependence = dependence.map(drawn).transpose()?;
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_template("report", include_str!("report.html")).map_err(failed)?;
@@ -63,11 +68,21 @@ pub fn html(content: &Content, traces: &[Trace]) -> Result<String, Failure> {
         others,
         undrawn: traces.len().saturating_sub(MOST_SECTIONS + 1),
         dependence,
+        over_time: moments(content, traces, over_time)?,
         style: STYLE,
         dark_style: canvas::DARK_STYLE,
         json: embedded_json(content)?,
     };
     environment.get_template("report").and_then(|t| t.render(Serde(page))).map_err(failed)
+}
+
+/// The residual moment against a signal.
+fn drawn(dependence: &Dependence) -> Result<Figure, Failure> {
+    let signal = symbol(&dependence.variable);
+    let caption = format!(
+        "Moment that the model before cannot explain: means by class of {signal}, with 95 % intervals"
+    );
+    Ok(Figure { caption, svg: dependence::picture(dependence)? })
 }
 
 /// The section that shows most, large, and the others.
@@ -82,6 +97,24 @@ fn figures(content: &Content, traces: &[Trace]) -> Result<(Option<Figure>, Vec<F
     Ok((Some(large), others.collect::<Result<_, Failure>>()?))
 }
 
+/// The residual moment over time, recording by recording, where the time says something.
+fn moments(content: &Content, traces: &[Trace], over_time: &OverTime) -> Result<Vec<Figure>, Failure> {
+    let windows = marked_windows(&content.answer, traces);
+    if windows.is_empty() && !over_time.of_time {
+        return Ok(Vec::new());
+    }
+    let count = over_time.runs.iter().map(|run| run.recording + 1).max().unwrap_or(0);
+    let figure = |recording: usize| {
+        let runs: Vec<&ResidualMoment> =
+            over_time.runs.iter().filter(|run| run.recording == recording).collect();
+        let of = if count > 1 { format!(", recording {}", recording + 1) } else { String::new() };
+        let shaded = if windows.is_empty() { "" } else { "; shaded: when the model differs" };
+        let caption = format!("Moment that the model cannot explain over time{of}{shaded}");
+        Ok(Figure { caption, svg: over_time::picture(&runs, &windows)? })
+    };
+    (0..count.min(MOST_RECORDINGS)).map(figure).collect()
+}
+
 /// The first section that was held out, or else the first.
 pub fn headline_trace(traces: &[Trace]) -> Option<&Trace> {
     traces.iter().find(|t| t.held_out).or(traces.first())
@@ -89,7 +122,7 @@ pub fn headline_trace(traces: &[Trace]) -> Option<&Trace> {
 
 /// Whether anything was added to the model.
 pub fn is_changed(answer: &Answer) -> bool {
-    answer.effects.iter().any(|e| e.id != "unlisted")
+    answer.effects.iter().any(was_added)
 }
 
 fn caption(content: &Content, trace: &Trace) -> String {

@@ -22,8 +22,15 @@ fn traces() -> Vec<Trace> {
     vec![trace("I", false), trace(HOSTILE, true)]
 }
 
+fn over_time() -> OverTime {
+    let t: Vec<f64> = (50..500).map(|k| 0.02 * f64::from(k)).collect();
+    let moment: Vec<f64> = t.iter().map(|t| 0.1 * t.sin()).collect();
+    let run = ResidualMoment { recording: 0, extended: Some(moment.clone()), baseline: moment, t };
+    OverTime { of_time: false, runs: vec![run] }
+}
+
 fn page(answer: &Answer, traces: &[Trace]) -> String {
-    html(&Content::new(answer, traces, vec![HOSTILE.into()], None), traces).unwrap()
+    html(&Content::new(answer, traces, vec![HOSTILE.into()], None), traces, &over_time()).unwrap()
 }
 
 #[test]
@@ -60,7 +67,7 @@ fn every_part_of_the_answer_is_shown() {
         assert!(page.contains(part), "{part}");
     }
     assert!(page.contains("pitch damping") && page.contains("0.100") && page.contains("0.05 to 0.1 s"));
-    assert_eq!(page.matches("<svg").count(), 3, "two sections, one dependence");
+    assert_eq!(page.matches("<svg").count(), 4, "two sections, a dependence, a moment over time");
 }
 
 #[test]
@@ -86,6 +93,20 @@ fn an_answer_without_anything_is_a_page_too() {
 }
 
 #[test]
+fn the_moment_over_time_is_shown_where_the_time_matters() {
+    let mut answer = answer();
+    let shown = |answer: &Answer, of_time| {
+        let content = Content::new(answer, &traces(), Vec::new(), None);
+        moments(&content, &traces(), &OverTime { of_time, ..over_time() }).unwrap().len()
+    };
+    assert_eq!(shown(&answer, false), 1, "a window is marked");
+    if let Some(location) = answer.location.as_mut() {
+        location.time_s = vec![[0.0, 10.0]];
+    }
+    assert_eq!((shown(&answer, false), shown(&answer, true)), (0, 1));
+}
+
+#[test]
 fn windows_that_cover_nearly_everything_mark_nothing() {
     let mut answer = answer();
     assert_eq!(marked_windows(&answer, &traces()).len(), 1);
@@ -104,4 +125,14 @@ fn parameters_of_one_name_belong_to_their_own_effects() {
     assert_eq!(of(&rows[1]), ("servo_deadband".into(), Some("0.00400".into())));
     assert_eq!(of(&rows[2]), ("linkage_backlash".into(), Some("0.00100".into())));
     assert!(rows[0].baseline.is_some() && rows[1].baseline.is_none());
+}
+
+#[test]
+fn a_term_without_a_name_is_shown_as_added_where_it_has_values() {
+    let mut answer = fixture::answer(Verdict::Unlisted, &[("unlisted", 0.1)], &[]);
+    let with = page(&answer, &traces());
+    assert!(with.contains("What was added") && with.contains("after, %"));
+    answer.effects[0].parameters.clear();
+    let without = page(&answer, &traces());
+    assert!(!without.contains("What was added") && !without.contains("after, %"));
 }

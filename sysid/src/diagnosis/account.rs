@@ -11,6 +11,7 @@ use super::held_out::Split;
 use super::judge::{Judged, labels, traces};
 use super::judgement::Judgement;
 use super::locate::{band, dependences, time_windows};
+use super::over_time::{OverTime, residual_moments};
 use super::problem::Problem;
 use super::unlisted::Leftover;
 use super::words::{self, digits};
@@ -62,6 +63,10 @@ pub fn account(judgement: &Judgement<'_, '_>, notes: Vec<String>) -> Diagnosis {
     Diagnosis {
         answer: Answer { summary, ..answer },
         traces: traces(problem, split, baseline, simulated),
+        over_time: OverTime {
+            of_time: judgement.of_time(),
+            runs: residual_moments(problem, &baseline.fit, &extended.fit),
+        },
         model,
     }
 }
@@ -72,6 +77,12 @@ impl Judgement<'_, '_> {
         let fit = &self.extended.fit;
         let own = fit.range_of(self.problem, id);
         own.and_then(|own| fit.minimum.values.get(own)).unwrap_or_default()
+    }
+
+    /// Whether what was found depends on the time.
+    fn of_time(&self) -> bool {
+        let local = self.unlisted.as_ref().is_some_and(|found| found.term.local_in_time);
+        local || self.gust.is_some() || self.findings.iter().any(|f| f.effect.about().variable == "t")
     }
 
     fn effects(&self, fit: &FitAnswer) -> Vec<EffectAnswer> {

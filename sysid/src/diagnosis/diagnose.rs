@@ -7,6 +7,7 @@ use super::excitation;
 use super::held_out::Split;
 use super::judge::{Trace, labels};
 use super::judgement::Judgement;
+use super::over_time::OverTime;
 use super::problem::Problem;
 use super::rank::select;
 use crate::dataset::Dataset;
@@ -20,6 +21,8 @@ pub struct Diagnosis {
     pub answer: Answer,
     /// Measured against simulated, section by section.
     pub traces: Vec<Trace>,
+    /// What the models leave, over time.
+    pub over_time: OverTime,
     /// The extended model, its parameters fitted for simulation.
     pub model: ModelFile,
 }
@@ -83,6 +86,7 @@ fn not_excited(problem: &Problem<'_>, split: &Split, reason: String, notes: Vec<
             notes,
         },
         traces: Vec::new(),
+        over_time: OverTime::default(),
         model: problem.baseline.to_model_file(),
     }
 }

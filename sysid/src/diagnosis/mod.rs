@@ -16,6 +16,7 @@ pub mod held_out;
 pub mod judge;
 mod judgement;
 pub mod locate;
+pub mod over_time;
 pub mod problem;
 pub mod rank;
 pub mod scaled;
