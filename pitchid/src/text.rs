@@ -2,7 +2,7 @@
 
 use crate::format;
 use crate::output::width;
-use crate::report::content::{Content, plant_meaning};
+use crate::report::content::{Content, DullRows, plant_meaning};
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use std::fmt::Write as _;
 use sysid::estimate::Estimate;
@@ -42,6 +42,7 @@ pub fn diagnosis(content: &Content) -> String {
     let mut text = paragraph(&format!("{}: {}", content.verdict.to_uppercase(), content.headline));
     text.push('\n');
     text.push_str(&paragraph(&answer.summary));
+    text.push_str(&dull(&content.dull));
     text.push_str(&fit(content));
     for effect in &content.effects {
         text.push_str(&heading(&format!("Added: {} ({})", effect.id, effect.locus)));
@@ -64,6 +65,17 @@ pub fn diagnosis(content: &Content) -> String {
         text.push_str(&indented(&told, "  ", "  "));
     }
     text + &notes(&answer.notes)
+}
+
+fn dull(rows: &DullRows) -> String {
+    let found = rows.found.iter().map(|(cause, words)| format!("{cause}: found; {words}"));
+    let listed = [("cannot tell", &rows.unknown), ("ruled out", &rows.ruled_out)];
+    let listed = listed.into_iter().filter(|(_, names)| !names.is_empty());
+    let lines: Vec<String> = found
+        .chain(listed.map(|(what, names)| format!("{what}: {names}")))
+        .map(|line| indented(&line, "  ", "    "))
+        .collect();
+    if lines.is_empty() { String::new() } else { heading("Dull causes") + &lines.concat() }
 }
 
 fn fit(content: &Content) -> String {

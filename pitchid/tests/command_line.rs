@@ -410,3 +410,48 @@ fn a_proof_seals_resumes_and_does_not_hang_on_the_number_of_jobs() {
     assert_eq!(output.status.code(), Some(2));
     assert_names(&text(&output.stderr), &["truth.json", "not the file that was sealed"]);
 }
+
+/// The reference vehicle's nominal model, which a user of it has.
+const MODEL: &str = "[plant]\ninertia_kg_m2 = 0.1705\ndelay_s = 0.06\ndM_dq_N_m_s = -0.27\ndM_du_N_m = 23.0\n\
+    mount_k_N_m = 3.8689\nmount_c_N_m_s = 0.02639\nmount_J_kg_m2 = 5.0e-04\n";
+
+/// A table with one column times `factor`.
+fn scaled(table: &str, column: &str, factor: f64) -> String {
+    let header = table.lines().find(|line| line.starts_with("t_s")).unwrap();
+    let index = header.split(',').position(|name| name == column).unwrap();
+    let row = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if let Ok(value) = cells[0].parse::<f64>().and_then(|_| cells[index].parse::<f64>()) {
+            cells[index] = format!("{}", factor * value);
+        }
+        cells.join(",") + "\n"
+    };
+    table.lines().map(row).collect()
+}
+
+#[test]
+fn a_reversed_rate_and_degrees_for_radians_are_told_before_any_physics() {
+    let bench = Bench::new().with_friction();
+    bench.write("model.toml", MODEL);
+    for (factor, cause, option) in
+        [(-1.0, "rate_sign", "q_rad_s=q_rad_s*-1"), (57.29578, "rate_unit", "q_rad_s=q_rad_s*0.01745329")]
+    {
+        bench.write("spoilt.csv", &scaled(&bench.read("flight.csv"), "q_rad_s", factor));
+        let command = ["diagnose", "spoilt.csv", "--model", "model.toml", "--json", "a.json"];
+        let printed = bench.answered(&command);
+        assert_names(&printed, &["Dull causes", &cause.replace('_', " "), "--column", "ruled out"]);
+        let answer = bench.json("a.json");
+        assert_eq!(answer["verdict"], "unlisted");
+        assert_eq!(answer["effects"].as_array().unwrap().len(), 1);
+        assert_eq!(answer["effects"][0]["id"], "unlisted");
+        assert_names(answer["effects"][0]["equation"].as_str().unwrap(), &[&format!("--column '{option}'")]);
+        assert_names(answer["summary"].as_str().unwrap(), &["q_rad_s", "No physics is named"]);
+        let causes = answer["dull_causes"].as_array().unwrap();
+        let found: Vec<&Value> = causes.iter().filter(|c| c["state"] == "found").collect();
+        assert!(found.iter().any(|c| c["cause"] == cause), "{found:?}");
+
+        let advised = bench.answered(&[&command[..], &["--column", option]].concat());
+        assert_names(&advised, &["coulomb_friction", "ruled out: clock"]);
+        assert_eq!(bench.json("a.json")["verdict"], "named");
+    }
+}

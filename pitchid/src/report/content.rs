@@ -3,6 +3,7 @@
 use crate::format::{self, Shown};
 use serde::Serialize;
 use sysid::diagnosis::answer::{Answer, EffectAnswer, Verdict};
+use sysid::diagnosis::dull::{self, DullCause, State};
 use sysid::diagnosis::effects;
 use sysid::diagnosis::judge::Trace;
 use sysid::diagnosis::scaled::UNLISTED;
@@ -29,6 +30,8 @@ pub struct Content {
     pub tone: &'static str,
     /// VAF by section.
     pub fit: Vec<FitRow>,
+    /// What could make model and data differ without missing physics.
+    pub dull: DullRows,
     /// Effects that were added.
     pub effects: Vec<EffectRow>,
     /// Parameters.
@@ -37,6 +40,17 @@ pub struct Content {
     pub location: Option<LocationRow>,
     /// The whole answer, as `--json` writes it.
     pub answer: Answer,
+}
+
+/// Dull causes by what became of them.
+#[derive(Clone, Debug, Serialize)]
+pub struct DullRows {
+    /// Those that are there: name and words.
+    pub found: Vec<(String, String)>,
+    /// Names of those that the data cannot tell.
+    pub unknown: String,
+    /// Names of those that are ruled out.
+    pub ruled_out: String,
 }
 
 /// VAF of one section, per cent.
@@ -117,7 +131,10 @@ impl Content {
             version: env!("CARGO_PKG_VERSION"),
             recordings,
             model: model.map(|(name, _)| name.to_owned()),
-            verdict: verdict(answer.verdict),
+            verdict: match answer.verdict {
+                Verdict::Unlisted if dull::stop(&answer.dull_causes) => "the data first",
+                other => verdict(other),
+            },
             headline: headline(answer),
             tone: match answer.verdict {
                 Verdict::NoMismatch => "good",
@@ -126,6 +143,7 @@ impl Content {
                 Verdict::NotExcited => "none",
             },
             fit: fit_rows(answer, traces),
+            dull: dull_rows(&answer.dull_causes),
             effects: answer.effects.iter().filter(|e| was_added(e)).map(effect_row).collect(),
             parameters: parameter_rows(answer, model.map(|(_, model)| model)),
             location: location_row(answer, traces),
@@ -154,6 +172,7 @@ fn headline(answer: &Answer) -> String {
     match answer.verdict {
         Verdict::NoMismatch => "Nothing is missing that these data would show".into(),
         Verdict::NotExcited => "These data cannot tell".into(),
+        Verdict::Unlisted if dull::stop(&answer.dull_causes) => "The data are to be put right first".into(),
         Verdict::Unlisted => "Something is missing that the catalogue does not list".into(),
         Verdict::Named => capitalised(&sentences.join("; and ")),
         Verdict::Ambiguous => {
@@ -178,6 +197,16 @@ fn sentence(id: &str) -> String {
 pub fn spoken(word: &impl Serialize) -> String {
     let json = serde_json::to_value(word).ok();
     json.and_then(|v| v.as_str().map(|s| s.replace('_', " "))).unwrap_or_default()
+}
+
+fn dull_rows(causes: &[DullCause]) -> DullRows {
+    let of = |state: State| causes.iter().filter(move |c| c.state == state);
+    let names = |state: State| of(state).map(|c| spoken(&c.cause)).collect::<Vec<_>>().join(", ");
+    DullRows {
+        found: of(State::Found).map(|c| (spoken(&c.cause), c.words.clone())).collect(),
+        unknown: names(State::CannotTell),
+        ruled_out: names(State::RuledOut),
+    }
 }
 
 fn fit_rows(answer: &Answer, traces: &[Trace]) -> Vec<FitRow> {

@@ -5,6 +5,7 @@ use sysid::diagnosis::answer::{
     Alternative, Answer, Dependence, EffectAnswer, Evidence, FitAnswer, Location, ModelAnswer,
     NextExperiment, Verdict,
 };
+use sysid::diagnosis::dull::{DullCause, Gravity};
 use sysid::diagnosis::effects::Locus;
 use sysid::estimate::Estimate;
 
@@ -63,6 +64,11 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
             separates: ["coulomb_friction".into(), "servo_deadband".into()],
             why: "a small signal shows the deadband".into(),
         }),
+        dull_causes: vec![
+            DullCause::found("feedback", Gravity::Headline, HOSTILE),
+            DullCause::cannot_tell("input_hold", "half a sample"),
+            DullCause::ruled_out("rate_sign", "correlation 1.00"),
+        ],
         notes: vec![HOSTILE.into()],
     }
 }

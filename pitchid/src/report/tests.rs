@@ -66,6 +66,8 @@ fn every_part_of_the_answer_is_shown() {
     for part in parts {
         assert!(page.contains(part), "{part}");
     }
+    assert!(page.contains("<dt>feedback</dt>") && page.contains("<dd>input hold</dd>"));
+    assert!(page.contains("<dd>rate sign</dd>"));
     assert!(page.contains("pitch damping") && page.contains("0.100") && page.contains("0.05 to 0.1 s"));
     assert_eq!(page.matches("<svg").count(), 4, "two sections, a dependence, a moment over time");
 }

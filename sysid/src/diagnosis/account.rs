@@ -52,6 +52,7 @@ pub fn account(judgement: &Judgement<'_, '_>, notes: Vec<String>) -> Diagnosis {
         location,
         fit,
         next_experiment,
+        dull_causes: Vec::new(),
         notes,
     };
     let summary = words::summary(&answer, &judgement.refused, judgement.corrected);
@@ -264,7 +265,7 @@ fn undescribed(location: &Location, departure: Option<String>, heavy_tails: bool
 
 /// What any model reaches on each section: the better of an FIR model of two seconds' memory fitted to the section
 /// itself, and the extended model with such a correction of what it leaves.
-fn ceilings(problem: &Problem<'_>, split: &Split, extended: &Judged) -> BTreeMap<String, f64> {
+pub fn ceilings(problem: &Problem<'_>, split: &Split, extended: &Judged) -> BTreeMap<String, f64> {
     const MEMORY_S: f64 = 2.0;
     let all = split.all();
     let unpacked = problem.unpack(&extended.fit.effects, &extended.simulation);

@@ -1,5 +1,6 @@
 //! The answer of a diagnosis, as it stands in JSON (`pitchid.diagnosis/1`).
 
+use super::dull::DullCause;
 use super::effects::Locus;
 use crate::estimate::Estimate;
 use serde::Serialize;
@@ -38,6 +39,8 @@ pub struct Answer {
     pub fit: FitAnswer,
     /// The experiment that would best tell the remaining candidates apart.
     pub next_experiment: Option<NextExperiment>,
+    /// What makes model and measurement differ without missing physics: ruled out, found, or not to be told.
+    pub dull_causes: Vec<DullCause>,
     /// What was noticed about the recordings.
     pub notes: Vec<String>,
 }

@@ -146,6 +146,12 @@ fn unknown_effect(id: &str) -> Error {
     .expecting(format!("one of {}", known.join(", ")))
 }
 
+/// ∂M/∂u per unit inertia, roughly, by a regression of the measured motion alone: nothing is known of the plant there, and
+/// no missing physics bends it by more than a small factor.
+pub fn rough_gain(data: &Dataset) -> f64 {
+    regression(data).dm_du
+}
+
 /// Values to start from for a rig of unknown inertia: least squares of
 /// q[k+m] = a q[k] + b ū[k−d .. k−d+m] + c over the delay d, with m samples over which q decorrelates a little.
 fn regression(data: &Dataset) -> Plant {

@@ -1,11 +1,12 @@
 //! The whole diagnosis: recordings and a baseline in, an answer out.
 
-use super::account::account;
-use super::answer::{Answer, FitAnswer, Verdict};
+use super::account::{account, ceilings};
+use super::answer::{Answer, FitAnswer, Location, Verdict};
 use super::baseline::Baseline;
+use super::dull::{self, DullCause};
 use super::excitation;
 use super::held_out::Split;
-use super::judge::{Trace, labels};
+use super::judge::{Judged, Trace, labels, traces};
 use super::judgement::Judgement;
 use super::over_time::OverTime;
 use super::problem::Problem;
@@ -45,8 +46,20 @@ pub fn diagnose(
     let split = Split::new(&data);
     let problem = Problem::new(&data, &baseline, &split.held_out);
     let notes = data.notes(recordings);
+    let dm_du = model.and_then(|m| m.plant.dm_du);
+    let mut causes = dull::of_recordings(recordings, &data, dm_du);
+    let told = |mut diagnosis: Diagnosis, causes: Vec<DullCause>| {
+        dull::tell(&mut diagnosis.answer, causes);
+        Ok(diagnosis)
+    };
     if let Some(reason) = excitation::too_little(&problem, &split) {
-        return Ok(not_excited(&problem, &split, reason, notes));
+        causes.extend(dull::without_fit("too little to ask"));
+        return told(not_excited(&problem, &split, reason, notes), causes);
+    }
+    if dull::stop(&causes) {
+        causes.extend(dull::without_fit("not asked before the others are put right"));
+        let location = dull::everywhere(&causes, &data);
+        return told(put_right_first(&problem, &split, None, location, notes), causes);
     }
     let selection = select(&problem, progress).ok_or_else(|| {
         Error::new(
@@ -56,36 +69,71 @@ pub fn diagnose(
         )
     })?;
     if let Some(reason) = excitation::too_weak(&problem, &split, &selection.baseline) {
-        return Ok(not_excited(&problem, &split, reason, notes));
+        causes.extend(dull::without_fit("too weak to ask"));
+        return told(not_excited(&problem, &split, reason, notes), causes);
+    }
+    progress("ruling out dull causes");
+    causes.extend(dull::of_fit(recordings, &problem, &split, &selection, dm_du));
+    if dull::stop(&causes) {
+        let location = dull::everywhere(&causes, &data);
+        let baseline = Some(Judged::new(&problem, &split, selection.baseline));
+        return told(put_right_first(&problem, &split, baseline, location, notes), causes);
     }
     progress("judging on held-out data");
-    Ok(account(&Judgement::new(&problem, &split, selection), notes))
+    told(account(&Judgement::new(&problem, &split, selection), notes), causes)
 }
 
 fn not_excited(problem: &Problem<'_>, split: &Split, reason: String, notes: Vec<String>) -> Diagnosis {
+    unanswered(problem, split, None, Verdict::NotExcited, reason, None, notes)
+}
+
+/// No physics is named: a dull cause is to be put right first. The baseline's fit is told where there is one.
+fn put_right_first(
+    problem: &Problem<'_>,
+    split: &Split,
+    baseline: Option<Judged>,
+    location: Location,
+    notes: Vec<String>,
+) -> Diagnosis {
+    unanswered(problem, split, baseline, Verdict::Unlisted, String::new(), Some(location), notes)
+}
+
+fn unanswered(
+    problem: &Problem<'_>,
+    split: &Split,
+    baseline: Option<Judged>,
+    verdict: Verdict,
+    summary: String,
+    location: Option<Location>,
+    notes: Vec<String>,
+) -> Diagnosis {
     let nothing = || super::answer::ModelAnswer {
         vaf_percent: Default::default(),
         parameters: Vec::new(),
         simulation_parameters: Default::default(),
     };
+    let told = || baseline.as_ref().map_or_else(nothing, |judged| judged.answer(problem, split));
     let fit = FitAnswer {
-        baseline: nothing(),
-        extended: nothing(),
+        baseline: told(),
+        extended: told(),
         held_out: labels(&split.held_out),
-        ceiling_vaf_percent: Default::default(),
+        ceiling_vaf_percent: baseline.as_ref().map(|b| ceilings(problem, split, b)).unwrap_or_default(),
     };
+    let traces = baseline.as_ref().map(|b| traces(problem, split, b, b)).unwrap_or_default();
+    let dull_causes = Vec::new();
     Diagnosis {
         answer: Answer {
             schema: "pitchid.diagnosis/1",
-            verdict: Verdict::NotExcited,
-            summary: reason,
+            verdict,
+            summary,
             effects: Vec::new(),
-            location: None,
+            location,
             fit,
             next_experiment: None,
+            dull_causes,
             notes,
         },
-        traces: Vec::new(),
+        traces,
         over_time: OverTime::default(),
         model: problem.baseline.to_model_file(),
     }

@@ -16,7 +16,8 @@ const EXPLAINED_BY_ANY: f64 = 40.0;
 /// Memory of that model, s.
 const FIR_MEMORY_S: f64 = 1.0;
 
-/// Why the data are too little before anything is fitted: too short, or an input that never moves.
+/// Why the data are too little before anything is fitted: too short, or an input or a motion that
+/// never changes.
 pub fn too_little(problem: &Problem<'_>, split: &Split) -> Option<String> {
     let seconds: f64 =
         split.training.iter().map(|p| p.rows.len() as f64 * problem.data.runs[p.run].step).sum();
@@ -26,7 +27,14 @@ pub fn too_little(problem: &Problem<'_>, split: &Split) -> Option<String> {
         ));
     }
     let moves = problem.data.runs.iter().any(|run| run.u.iter().any(|u| *u != run.u[0]));
-    (!moves).then(|| "The data cannot tell: the input never changes.".into())
+    if !moves {
+        return Some("The data cannot tell: the input never changes.".into());
+    }
+    let still = |signal: &Option<Vec<f64>>| {
+        signal.iter().flatten().all(|y| Some(y) == signal.iter().flatten().next())
+    };
+    let dead = problem.data.runs.iter().all(|run| still(&run.rate) && still(&run.angle));
+    dead.then(|| "The data cannot tell: no measured motion changes.".into())
 }
 
 /// Why the data are too weak: the input's effect is not known well enough to ask what is missing from it, and an

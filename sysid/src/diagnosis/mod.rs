@@ -6,6 +6,7 @@ pub mod answer;
 pub mod baseline;
 pub mod consistency;
 mod diagnose;
+pub mod dull;
 pub mod effects;
 mod excitation;
 mod experiment;

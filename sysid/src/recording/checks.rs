@@ -1,9 +1,8 @@
 //! What looks wrong in the data: clipping, units, signs, repeated and constant signals. Nothing is changed here.
 
-use std::ops::Range;
-
 use super::clock::{Grid, counted};
 use super::columns::{InputUnit, Role};
+use super::rate_and_angle::rate_and_angle;
 use super::table::{Signal, Table};
 use super::{Note, NoteKind};
 
@@ -157,7 +156,9 @@ fn check_repeats(signal: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
 /// Δθ against ∫q dt over windows of `COMPARED_OVER`: slope 1 is right, 57.3 or 1/57.3 a unit, negative a sign.
 /// Returns whether anything was said of a unit.
 fn compare_rate_with_angle(q: &Signal, theta: &Signal, grid: &Grid, notes: &mut Vec<Note>) -> bool {
-    let Some((slope, correlation)) = angle_over_rate(&q.values, &theta.values, grid) else { return false };
+    let compared = rate_and_angle(&q.values, &theta.values, &grid.segments, grid.step, COMPARED_OVER);
+    let Some(compared) = compared else { return false };
+    let (slope, correlation) = (compared.slope(), compared.correlation);
     if correlation.abs() < CORRELATED {
         return false;
     }
@@ -171,7 +172,7 @@ fn compare_rate_with_angle(q: &Signal, theta: &Signal, grid: &Grid, notes: &mut 
         );
         notes.push(Note::new(NoteKind::Sign, text));
     }
-    let near = |factor: f64| (slope.abs() / factor).ln().abs() < 0.3;
+    let near = |factor: f64| (slope / factor).ln().abs() < 0.3;
     let (wrong, right) = match (near(DEGREES), near(1.0 / DEGREES)) {
         (true, _) => (theta, q),
         (_, true) => (q, theta),
@@ -180,43 +181,10 @@ fn compare_rate_with_angle(q: &Signal, theta: &Signal, grid: &Grid, notes: &mut 
     let text = format!(
         "unit: {} is {:.1} times what {} says, which is degrees where radians belong; used as it is. To convert: {}",
         column(wrong),
-        slope.abs().max(1.0 / slope.abs()),
+        slope.max(1.0 / slope),
         column(right),
         wrong.source.scaled_by(1.0 / DEGREES)
     );
     notes.push(Note::new(NoteKind::Unit, text));
     true
-}
-
-/// Slope and correlation of Δθ on ∫q dt, means removed; `None` where either does not move.
-fn angle_over_rate(q: &[f64], theta: &[f64], grid: &Grid) -> Option<(f64, f64)> {
-    let lag = ((COMPARED_OVER / grid.step).round() as usize).clamp(1, 1000);
-    let pairs: Vec<(f64, f64)> =
-        grid.segments.iter().flat_map(|rows| windows(q, theta, rows, lag, grid.step)).collect();
-    let count = pairs.len() as f64;
-    if pairs.len() < 5 {
-        return None;
-    }
-    let (mx, my) = pairs.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for (x, y) in pairs.iter().map(|p| (p.0 - mx, p.1 - my)) {
-        xx += x * x;
-        xy += x * y;
-        yy += y * y;
-    }
-    let correlation = xy / (xx * yy).sqrt();
-    // Rate noise would flatten the slope of one regression: the geometric slope treats both alike.
-    let slope = (yy / xx).sqrt();
-    (correlation.is_finite() && slope.is_finite() && slope > 0.0).then_some((slope, correlation))
-}
-
-/// (∫q dt, Δθ) over consecutive windows of `lag` steps, by the trapezium rule.
-fn windows(q: &[f64], theta: &[f64], rows: &Range<usize>, lag: usize, step: f64) -> Vec<(f64, f64)> {
-    let starts = (rows.start..rows.end.saturating_sub(lag)).step_by(lag);
-    let window = |k: usize| {
-        let inner: f64 = q[k + 1..k + lag].iter().sum();
-        let area = step * (inner + 0.5 * (q[k] + q[k + lag]));
-        (area, theta[k + lag] - theta[k])
-    };
-    starts.map(window).collect()
 }

@@ -164,11 +164,14 @@ pub(super) struct Source {
 }
 
 impl Source {
+    /// As an option of the reader has it.
+    pub(super) fn as_map(&self) -> ColumnMap {
+        ColumnMap { target: self.role.column().into(), source: self.name.clone(), factor: self.factor }
+    }
+
     /// The option that multiplies this column by `factor` on top of what is done already.
     pub(super) fn scaled_by(&self, factor: f64) -> String {
-        let scale = self.factor * factor;
-        let scale = format!("{scale:.6e}").parse::<f64>().unwrap_or(scale);
-        format!("--column '{}={}*{scale}'", self.role.column(), self.name)
+        self.as_map().option_to_scale(factor)
     }
 }
 

@@ -10,6 +10,7 @@ mod checks;
 mod clock;
 mod columns;
 mod options;
+pub(crate) mod rate_and_angle;
 mod sections;
 mod sniff;
 mod table;
@@ -61,6 +62,8 @@ pub struct Recording {
     pub step: f64,
     /// How the input behaves between samples.
     pub input_hold: InputHold,
+    /// Which column of the file each signal is, and the factor it was multiplied by.
+    pub columns: Vec<ColumnMap>,
     /// What was done to the data and what looks wrong, for people.
     pub notes: Vec<Note>,
 }
@@ -167,6 +170,7 @@ fn parse_unnamed(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recor
         _ => None,
     });
     let u_unit = input.ok_or_else(|| Error::new(ErrorKind::Column, "no input column", "add one"))?;
+    let columns = table.signals.iter().map(|signal| signal.source.as_map()).collect();
     let mut take = |role: Role| {
         let signal = table.signals.iter_mut().find(|s| s.source.role == role);
         signal.map(|s| std::mem::take(&mut s.values))
@@ -189,6 +193,7 @@ fn parse_unnamed(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recor
         segments: grid.segments,
         step: grid.step,
         input_hold: options.input_hold,
+        columns,
         notes,
     })
 }
@@ -204,6 +209,13 @@ impl Recording {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.t.is_empty()
+    }
+
+    /// The option that reads the signal `target` (`q_rad_s`, `u_rad`, ...) times `factor`, on top of what is done to it
+    /// already.
+    #[must_use]
+    pub fn option_to_scale(&self, target: &str, factor: f64) -> Option<String> {
+        self.columns.iter().find(|map| map.target == target).map(|map| map.option_to_scale(factor))
     }
 
     /// The section of this name.

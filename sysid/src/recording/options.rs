@@ -43,6 +43,16 @@ pub struct ColumnMap {
     pub factor: f64,
 }
 
+impl ColumnMap {
+    /// The option that multiplies the column by `factor` on top of its own.
+    #[must_use]
+    pub fn option_to_scale(&self, factor: f64) -> String {
+        let scale = self.factor * factor;
+        let scale = format!("{scale:.6e}").parse::<f64>().unwrap_or(scale);
+        format!("--column '{}={}*{scale}'", self.target, self.source)
+    }
+}
+
 impl FromStr for ColumnMap {
     type Err = Error;
 
