@@ -76,8 +76,8 @@ pub fn diagnose(
     causes.extend(dull::of_fit(recordings, &problem, &split, &selection, dm_du));
     if dull::stop(&causes) {
         let location = dull::everywhere(&causes, &data);
-        let baseline = Some(Judged::new(&problem, &split, selection.baseline));
-        return told(put_right_first(&problem, &split, baseline, location, notes), causes);
+        let baseline = Judged::new(&problem, &split, selection.baseline);
+        return told(put_right_first(&problem, &split, Some(&baseline), location, notes), causes);
     }
     progress("judging on held-out data");
     told(account(&Judgement::new(&problem, &split, selection), notes), causes)
@@ -91,7 +91,7 @@ fn not_excited(problem: &Problem<'_>, split: &Split, reason: String, notes: Vec<
 fn put_right_first(
     problem: &Problem<'_>,
     split: &Split,
-    baseline: Option<Judged>,
+    baseline: Option<&Judged>,
     location: Location,
     notes: Vec<String>,
 ) -> Diagnosis {
@@ -101,7 +101,7 @@ fn put_right_first(
 fn unanswered(
     problem: &Problem<'_>,
     split: &Split,
-    baseline: Option<Judged>,
+    baseline: Option<&Judged>,
     verdict: Verdict,
     summary: String,
     location: Option<Location>,
@@ -112,14 +112,14 @@ fn unanswered(
         parameters: Vec::new(),
         simulation_parameters: Default::default(),
     };
-    let told = || baseline.as_ref().map_or_else(nothing, |judged| judged.answer(problem, split));
+    let told = || baseline.map_or_else(nothing, |judged| judged.answer(problem, split));
     let fit = FitAnswer {
         baseline: told(),
         extended: told(),
         held_out: labels(&split.held_out),
-        ceiling_vaf_percent: baseline.as_ref().map(|b| ceilings(problem, split, b)).unwrap_or_default(),
+        ceiling_vaf_percent: baseline.map(|b| ceilings(problem, split, b)).unwrap_or_default(),
     };
-    let traces = baseline.as_ref().map(|b| traces(problem, split, b, b)).unwrap_or_default();
+    let traces = baseline.map(|b| traces(problem, split, b, b)).unwrap_or_default();
     let dull_causes = Vec::new();
     Diagnosis {
         answer: Answer {
