@@ -52,6 +52,10 @@ pub fn diagnosis(content: &Content) -> String {
             text.push_str(&indented(&format!("instead possible: {alternatives}"), "  ", "  "));
         }
     }
+    if let (Some(placebo), false) = (&content.placebo, content.effects.is_empty()) {
+        text.push('\n');
+        text.push_str(&paragraph(placebo));
+    }
     text.push_str(&parameters(content));
     text.push_str(&location(content));
     if let Some(next) = &answer.next_experiment {

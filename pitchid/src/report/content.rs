@@ -2,7 +2,7 @@
 
 use crate::format::{self, Shown};
 use serde::Serialize;
-use sysid::diagnosis::answer::{Answer, EffectAnswer, Verdict};
+use sysid::diagnosis::answer::{Answer, EffectAnswer, PlaceboAnswer, Verdict};
 use sysid::diagnosis::dull::{self, DullCause, State};
 use sysid::diagnosis::effects;
 use sysid::diagnosis::judge::Trace;
@@ -34,6 +34,8 @@ pub struct Content {
     pub dull: DullRows,
     /// Effects that were added.
     pub effects: Vec<EffectRow>,
+    /// What a term of the same size gains that nothing calls for.
+    pub placebo: Option<String>,
     /// Parameters.
     pub parameters: Vec<ParameterRow>,
     /// Time, band, variable.
@@ -145,6 +147,7 @@ impl Content {
             fit: fit_rows(answer, traces),
             dull: dull_rows(&answer.dull_causes),
             effects: answer.effects.iter().filter(|e| was_added(e)).map(effect_row).collect(),
+            placebo: answer.fit.placebo.as_ref().map(placebo_words),
             parameters: parameter_rows(answer, model.map(|(_, model)| model)),
             location: location_row(answer, traces),
             answer: answer.clone(),
@@ -228,6 +231,17 @@ fn fit_rows(answer: &Answer, traces: &[Trace]) -> Vec<FitRow> {
         section: section.clone(),
     };
     sections.into_iter().map(row).collect()
+}
+
+fn placebo_words(placebo: &PlaceboAnswer) -> String {
+    format!(
+        "A placebo of the same size ({} sines of arbitrary frequency in their place): BIC lower by {}; held-out VAF {:+.1} \
+         points, held-out 2 ln likelihood {:+.0}",
+        placebo.parameters,
+        format::plain(placebo.delta_bic),
+        placebo.vaf_gain_points,
+        placebo.held_out_log_likelihood_gain,
+    )
 }
 
 fn effect_row(effect: &EffectAnswer) -> EffectRow {

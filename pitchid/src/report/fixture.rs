@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use sysid::diagnosis::answer::{
     Alternative, Answer, Dependence, EffectAnswer, Evidence, FitAnswer, Location, ModelAnswer,
-    NextExperiment, Verdict,
+    NextExperiment, PlaceboAnswer, Verdict,
 };
 use sysid::diagnosis::dull::{DullCause, Gravity};
 use sysid::diagnosis::effects::Locus;
@@ -57,6 +57,13 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
             extended: model(96.3, after),
             held_out: vec![HOSTILE.into()],
             ceiling_vaf_percent: BTreeMap::from([("I".into(), 97.0)]),
+            placebo: Some(PlaceboAnswer {
+                parameters: 2,
+                delta_bic: -15.3,
+                vaf_percent: BTreeMap::from([("I".into(), 79.7)]),
+                vaf_gain_points: 0.1,
+                held_out_log_likelihood_gain: -2.0,
+            }),
         },
         next_experiment: Some(NextExperiment {
             switching_s: [0.05, 0.1],

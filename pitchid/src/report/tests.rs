@@ -62,7 +62,16 @@ fn the_embedded_json_is_the_content() {
 #[test]
 fn every_part_of_the_answer_is_shown() {
     let page = page(&answer(), &traces());
-    let parts = ["coulomb_friction", "servo_deadband (30 %)", "79.6", "96.3", "97.0", "held out", "sign(q)"];
+    let parts = [
+        "coulomb_friction",
+        "servo_deadband (30 %)",
+        "79.6",
+        "96.3",
+        "97.0",
+        "held out",
+        "sign(q)",
+        "A placebo of the same size",
+    ];
     for part in parts {
         assert!(page.contains(part), "{part}");
     }
@@ -80,6 +89,7 @@ fn an_answer_without_anything_is_a_page_too() {
         extended: nothing(),
         held_out: Vec::new(),
         ceiling_vaf_percent: BTreeMap::new(),
+        placebo: None,
     };
     let empty = Answer {
         verdict: Verdict::NotExcited,

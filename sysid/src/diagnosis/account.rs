@@ -1,17 +1,20 @@
 //! A judgement as an answer.
 
 use super::anonymous::Anonymous;
-use super::answer::{Alternative, Answer, EffectAnswer, Evidence, FitAnswer, Location, Verdict};
+use super::answer::{
+    Alternative, Answer, EffectAnswer, Evidence, FitAnswer, Location, PlaceboAnswer, Verdict,
+};
 use super::diagnose::Diagnosis;
 use super::effects::{Effect, Locus};
 use super::experiment;
 use super::free_run::{judged, judged_channel, simulate, starting_points};
 use super::gust::Gust;
 use super::held_out::Split;
-use super::judge::{Judged, labels, traces};
+use super::judge::{Judged, held_out_gain, labels, traces};
 use super::judgement::Judgement;
 use super::locate::{band, dependences, time_windows};
 use super::over_time::{OverTime, residual_moments};
+use super::placebo::placebo;
 use super::problem::Problem;
 use super::unlisted::Leftover;
 use super::words::{self, digits};
@@ -30,6 +33,7 @@ pub fn account(judgement: &Judgement<'_, '_>, notes: Vec<String>) -> Diagnosis {
         extended: extended.answer(problem, split).simulated_by(simulated.vaf_by_section(split)),
         held_out: labels(&split.held_out),
         ceiling_vaf_percent: ceiling,
+        placebo: judgement.placebo(),
     };
     let location = match verdict {
         Verdict::NoMismatch => None,
@@ -73,6 +77,19 @@ pub fn account(judgement: &Judgement<'_, '_>, notes: Vec<String>) -> Diagnosis {
 }
 
 impl Judgement<'_, '_> {
+    fn placebo(&self) -> Option<PlaceboAnswer> {
+        let (problem, split) = (self.problem, self.split);
+        let (before, after) = (&self.baseline.fit, &self.extended.fit);
+        let judged = Judged::new(problem, split, placebo(problem, before, after)?);
+        Some(PlaceboAnswer {
+            parameters: judged.fit.minimum.values.len() - before.minimum.values.len(),
+            delta_bic: before.bic(problem) - judged.fit.bic(problem),
+            vaf_percent: judged.vaf_by_section(split),
+            vaf_gain_points: judged.held_out_vaf(split) - self.baseline.held_out_vaf(split),
+            held_out_log_likelihood_gain: held_out_gain(problem, split, before, &judged.fit),
+        })
+    }
+
     /// Values of the parameters of the effect called `id` in the extended model.
     fn values_of(&self, id: &str) -> &[f64] {
         let fit = &self.extended.fit;

@@ -127,6 +127,23 @@ pub struct FitAnswer {
     pub held_out: Vec<String>,
     /// What the best unstructured model reaches on the same section.
     pub ceiling_vaf_percent: BTreeMap<String, f64>,
+    /// With a term in the effects' place that nothing calls for; `None` where no effect was added.
+    pub placebo: Option<PlaceboAnswer>,
+}
+
+/// What a term of the same size as the effects gains that nothing calls for: sines of arbitrary frequencies.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlaceboAnswer {
+    /// Number of its parameters.
+    pub parameters: usize,
+    /// BIC of the baseline less BIC with it.
+    pub delta_bic: f64,
+    /// Free-run VAF by section, per cent.
+    pub vaf_percent: BTreeMap<String, f64>,
+    /// Gain of free-run VAF on held-out data, points.
+    pub vaf_gain_points: f64,
+    /// Gain of 2 log likelihood of the one-step prediction on held-out data.
+    pub held_out_log_likelihood_gain: f64,
 }
 
 /// One model's fit.

@@ -118,6 +118,7 @@ fn unanswered(
         extended: told(),
         held_out: labels(&split.held_out),
         ceiling_vaf_percent: baseline.map(|b| ceilings(problem, split, b)).unwrap_or_default(),
+        placebo: None,
     };
     let traces = baseline.map(|b| traces(problem, split, b, b)).unwrap_or_default();
     let dull_causes = Vec::new();

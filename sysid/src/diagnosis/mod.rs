@@ -18,6 +18,7 @@ pub mod judge;
 mod judgement;
 pub mod locate;
 pub mod over_time;
+mod placebo;
 pub mod problem;
 pub mod rank;
 pub mod scaled;
