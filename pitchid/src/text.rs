@@ -63,8 +63,8 @@ pub fn diagnosis(content: &Content) -> String {
         let [low, high] = next.switching_s;
         let [a, b] = &next.separates;
         let told = format!(
-            "PRBS, dwell {low} to {high} s, amplitude {}: tells {a} from {b}; {}",
-            next.amplitude_rad, next.why
+            "PRBS in {}, {} s, dwell {low} to {high} s, amplitude {}: tells {a} from {b}; {}",
+            next.section, next.length_s, next.amplitude_rad, next.why
         );
         text.push_str(&indented(&told, "  ", "  "));
     }

@@ -235,7 +235,7 @@ fn fit_rows(answer: &Answer, traces: &[Trace]) -> Vec<FitRow> {
 
 fn placebo_words(placebo: &PlaceboAnswer) -> String {
     format!(
-        "A placebo of the same size ({} sines of arbitrary frequency in their place): BIC lower by {}; held-out VAF {:+.1} \
+        "A placebo of the same size ({} sines of arbitrary frequency in their place): gain in BIC {}, held-out VAF {:+.1} \
          points, held-out 2 ln likelihood {:+.0}",
         placebo.parameters,
         format::plain(placebo.delta_bic),

@@ -68,6 +68,8 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
         next_experiment: Some(NextExperiment {
             switching_s: [0.05, 0.1],
             amplitude_rad: 0.012,
+            length_s: 40.0,
+            section: "quasi-open loop",
             separates: ["coulomb_friction".into(), "servo_deadband".into()],
             why: "a small signal shows the deadband".into(),
         }),

@@ -171,6 +171,10 @@ pub struct NextExperiment {
     pub switching_s: [f64; 2],
     /// Amplitude, in the unit of the input.
     pub amplitude_rad: f64,
+    /// Length after which the likelihood ratio is expected to decide, s.
+    pub length_s: f64,
+    /// Kind of section.
+    pub section: &'static str,
     /// Candidates it separates.
     pub separates: [String; 2],
     /// Why, with the expected likelihood ratio.

@@ -7,6 +7,7 @@ use super::answer::NextExperiment;
 use super::locate::weights;
 use super::problem::Problem;
 use super::search::Fit;
+use super::words::digits;
 use crate::dataset::Run;
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
@@ -17,34 +18,105 @@ use rand_pcg::Pcg64;
 const DWELLS: [[f64; 2]; 4] = [[0.05, 0.1], [0.1, 0.2], [0.2, 0.4], [0.4, 0.8]];
 /// Amplitudes tried, relative to the amplitude of the recording at hand.
 const AMPLITUDES: [f64; 3] = [0.8, 1.0, 1.25];
-/// Length of an excitation, s.
+/// Length of an excitation that is flown, s.
 const DURATION_S: f64 = 25.0;
+/// 2 ln(likelihood ratio) that decides: odds of 400 to 1.
+const DECISIVE: f64 = 12.0;
+/// Shortest and longest test that is asked for, s.
+const LENGTHS_S: [f64; 2] = [10.0, 300.0];
 const SEED: u64 = 20_140_901;
 
 /// The excitation with the largest expected likelihood ratio between the two fits.
 pub fn best(problem: &Problem<'_>, a: &Fit, b: &Fit) -> Option<NextExperiment> {
     let scale = problem.sizes.u;
+    let limit = largest_angle(problem);
     let mut best: Option<(f64, [f64; 2], f64)> = None;
     for dwell in DWELLS {
         for relative in AMPLITUDES {
             let amplitude = relative * scale;
-            let u = prbs(dwell, amplitude, problem.sizes.step);
-            if let Some(ratio) = expected_ratio(problem, a, b, u)
+            let flown = fly(problem, a, prbs(dwell, amplitude, problem.sizes.step), amplitude, limit);
+            if let Some(ratio) = flown.and_then(|run| expected_ratio(problem, a, b, &run))
                 && best.is_none_or(|(most, ..)| ratio > most)
             {
                 best = Some((ratio, dwell, amplitude));
             }
         }
     }
-    let (ratio, dwell, amplitude) = best?;
+    let (ratio, dwell, amplitude) = best.filter(|(ratio, ..)| *ratio > 0.0)?;
     let amplitude = (amplitude * 1e4).round() / 1e4;
     let ids = [a, b].map(|fit| fit.effects.last().map_or("baseline", |e| e.about().id).to_owned());
     let unit = problem.data.input_unit.symbol();
+    let length = (DURATION_S * DECISIVE / ratio).clamp(LENGTHS_S[0], LENGTHS_S[1]).ceil();
+    let within = limit.map_or(String::new(), |limit| {
+        format!(", with a supervisor that keeps the angle within the ±{} rad of these data", digits(limit))
+    });
     let why = format!(
-        "one PRBS of {DURATION_S:.0} s with ±{amplitude} {unit} is expected to change 2 ln(likelihood ratio) of {} against {} by {ratio:.0}",
-        ids[0], ids[1],
+        "{length:.0} s of PRBS with ±{amplitude} {unit} are expected to change 2 ln(likelihood ratio) of {} against {} by \
+         {:.0}{within}",
+        ids[0],
+        ids[1],
+        ratio * length / DURATION_S,
     );
-    Some(NextExperiment { switching_s: dwell, amplitude_rad: amplitude, separates: ids, why })
+    Some(NextExperiment {
+        switching_s: dwell,
+        amplitude_rad: amplitude,
+        length_s: length,
+        section: "quasi-open loop",
+        separates: ids,
+        why,
+    })
+}
+
+/// The largest angle of the recordings: so far the supervisor lets the vehicle go.
+fn largest_angle(problem: &Problem<'_>) -> Option<f64> {
+    let angles = problem.data.runs.iter().map(|run| run.angle.as_ref());
+    let largest = |angles: &Vec<f64>| angles.iter().fold(0.0, |most: f64, theta| most.max(theta.abs()));
+    angles.map(|run| run.map(largest)).try_fold(0.0, |most: f64, one| Some(most.max(one?)))
+}
+
+/// What `fit` shows when `excitation` flies it. Beyond the `limit` the supervisor commands the angle back, until it has
+/// halved.
+fn fly(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    excitation: Vec<f64>,
+    amplitude: f64,
+    limit: Option<f64>,
+) -> Option<Run> {
+    let count = excitation.len();
+    let mut run = Run {
+        recording: 0,
+        start: 0.0,
+        step: problem.sizes.step,
+        held: true,
+        rate: problem.data.has_rate.then(|| vec![0.0; count]),
+        angle: problem.data.has_angle.then(|| vec![0.0; count]),
+        roll_and_yaw: None,
+        supervised: vec![false; count],
+        sections: Vec::new(),
+        u: excitation,
+    };
+    let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
+    let model = problem.model(&unpacked, run.step)?;
+    let mut point = model.start(&run);
+    for k in 0..count {
+        let [rate, angle] = model.output(&point);
+        let before = k > 0 && run.supervised[k - 1];
+        let reach = if before { 0.5 } else { 1.0 };
+        if limit.is_some_and(|limit| angle.abs() > reach * limit) {
+            run.supervised[k] = true;
+            run.u[k] = -amplitude * (angle * unpacked.plant.dm_du).signum();
+        }
+        for (signal, value) in [(&mut run.rate, rate), (&mut run.angle, angle)] {
+            if let Some(signal) = signal {
+                signal[k] = value;
+            }
+        }
+        if !model.advance(&mut point, &run, k) {
+            return None;
+        }
+    }
+    Some(run)
 }
 
 fn prbs(dwell: [f64; 2], amplitude: f64, step: f64) -> Vec<f64> {
@@ -62,28 +134,8 @@ fn prbs(dwell: [f64; 2], amplitude: f64, step: f64) -> Vec<f64> {
         .collect()
 }
 
-fn expected_ratio(problem: &Problem<'_>, a: &Fit, b: &Fit, u: Vec<f64>) -> Option<f64> {
-    let mut run = Run {
-        recording: 0,
-        start: 0.0,
-        step: problem.sizes.step,
-        held: true,
-        rate: problem.data.has_rate.then(Vec::new),
-        angle: problem.data.has_angle.then(Vec::new),
-        roll_and_yaw: None,
-        supervised: vec![false; u.len()],
-        sections: Vec::new(),
-        u,
-    };
-    let truth = problem.unpack(&a.effects, &a.minimum.values);
-    let model = problem.model(&truth, run.step)?;
-    let outputs = model.simulate(&run, 0..run.len(), model.start(&run))?;
-    if let Some(rate) = &mut run.rate {
-        rate.extend(outputs.iter().map(|y| y[0]));
-    }
-    if let Some(angle) = &mut run.angle {
-        angle.extend(outputs.iter().map(|y| y[1]));
-    }
+/// 2 ln(likelihood ratio) of `a`, which flew `run`, against `b`.
+fn expected_ratio(problem: &Problem<'_>, a: &Fit, b: &Fit, run: &Run) -> Option<f64> {
     let (weight, _) = weights(&a.minimum.residuals);
     let root = weight.symmetric_eigen();
     let root = root.eigenvectors
@@ -92,8 +144,8 @@ fn expected_ratio(problem: &Problem<'_>, a: &Fit, b: &Fit, u: Vec<f64>) -> Optio
     let whitened = |values: &[f64]| -> Option<DVector<f64>> {
         let unpacked = problem.unpack(&b.effects, values);
         let model = problem.model(&unpacked, run.step)?;
-        let gain = model.gain(&unpacked.disturbance, &run)?;
-        let e = model.innovations(&run, &gain, run.len(), |_, _| {})?;
+        let gain = model.gain(&unpacked.disturbance, run)?;
+        let e = model.innovations(run, &gain, run.len(), |_, _| {})?;
         let packed = e.iter().map(|e| if problem.data.has_rate { *e } else { [e[1], 0.0] });
         Some(DVector::from_iterator(
             2 * e.len(),
@@ -123,4 +175,49 @@ fn expected_ratio(problem: &Problem<'_>, a: &Fit, b: &Fit, u: Vec<f64>) -> Optio
     let solution = normal.cholesky()?.solve(&sensitivities.tr_mul(&at));
     let ratio = (at - sensitivities * solution).norm_squared();
     ratio.is_finite().then_some(ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::Dataset;
+    use crate::diagnosis::baseline::Baseline;
+    use crate::diagnosis::search::fit_baseline;
+
+    /// 30 s of a rigid plant, q' = −2 q + 100 u, flown by a PRBS, with a little noise.
+    fn recording() -> crate::recording::Recording {
+        let step = 0.02;
+        let u = prbs([0.1, 0.2], 0.01, step);
+        let mut random = Pcg64::seed_from_u64(5);
+        let (mut q, mut theta) = (0.0, 0.0);
+        let mut text = String::from("t_s,u_N_m,q_rad_s,theta_rad\n");
+        for (k, u) in u.iter().enumerate() {
+            let noise = 1e-3 * (random.random::<f64>() - 0.5);
+            text.push_str(&format!("{:.2},{u},{},{}\n", k as f64 * step, q + noise, theta + 0.1 * noise));
+            q += step * (100.0 * u - 2.0 * q);
+            theta += step * q;
+        }
+        crate::recording::parse("test.csv", text.as_bytes(), &Default::default()).unwrap()
+    }
+
+    #[test]
+    fn the_supervisor_keeps_the_angle_within_the_limit_and_hands_back_at_half_of_it() {
+        let data = Dataset::new(&[recording()]).unwrap();
+        let baseline = Baseline::from_data(&data);
+        let problem = Problem::new(&data, &baseline, &[]);
+        let fit = fit_baseline(&problem).unwrap();
+        let (amplitude, limit) = (0.02, 0.08);
+        let excitation = prbs([0.4, 0.8], amplitude, problem.sizes.step);
+        let free = fly(&problem, &fit, excitation.clone(), amplitude, None).unwrap();
+        let held = fly(&problem, &fit, excitation, amplitude, Some(limit)).unwrap();
+        let largest = |run: &Run| run.angle.iter().flatten().fold(0.0, |m: f64, a| m.max(a.abs()));
+        assert!(largest(&free) > 2.0 * limit, "{}", largest(&free));
+        assert!(largest(&held) < 0.75 * largest(&free), "{}", largest(&held));
+        let angle = held.angle.as_ref().unwrap();
+        for k in 1..held.len() {
+            let handed_back = held.supervised[k - 1] && !held.supervised[k];
+            assert!(!handed_back || angle[k].abs() <= 0.5 * limit, "{k}");
+        }
+        assert!(held.supervised.iter().any(|s| *s) && !held.supervised.iter().all(|s| *s));
+    }
 }
