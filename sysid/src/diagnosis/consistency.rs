@@ -25,7 +25,7 @@ const CORRELATION_S: f64 = 0.5;
 /// recordings with known truth the highest was 12.
 const INCONSISTENT: f64 = 20.0;
 /// Smaller shares of what the effects gain are put down to their idealised equations.
-const LARGE: f64 = 0.02;
+const LARGE: f64 = 0.03;
 /// A switch of the input counts as recent for this time, s.
 const RECENT_S: f64 = 0.3;
 

@@ -69,7 +69,7 @@ const HOPELESS: f64 = 60.0;
 const CHORD_STEPS: usize = 8;
 /// A candidate that has settled with less gain in BIC than this is not needed, whatever else is.
 const NEEDLESS: f64 = -4.0;
-/// So far below `before` a candidate has not settled: its own parameters could as well vanish.
+/// Further below `before` a candidate has not settled: its own parameters could as well vanish.
 const UNSETTLED: f64 = -30.0;
 /// A descent along the chord may end at this share of the best one's gain and come near it all the same.
 const CLOSE: f64 = 0.7;
@@ -77,6 +77,8 @@ const CLOSE: f64 = 0.7;
 const STEPS_TO_COME: f64 = 4.0;
 /// Two descents of a candidate whose gains differ by less than this have come to the same place.
 const SAME_PLACE: f64 = 1.0;
+/// A start that changes the criterion by less than this does nothing.
+const IDLE: f64 = 0.5;
 /// Prospects that are fitted whatever they look like: the baseline is fitted again from where they end.
 const ALWAYS_FITTED: usize = 3;
 const SKETCH: Effort = Effort { iterations: 5, tolerance: 0.5 };
@@ -154,6 +156,10 @@ impl Prospect {
         }
     }
 
+    fn settled(&self) -> bool {
+        self.gain > UNSETTLED
+    }
+
     fn id(&self) -> &'static str {
         self.effects.last().map_or("", |effect| effect.about().id)
     }
@@ -182,8 +188,9 @@ fn prospects(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Eff
     all
 }
 
-/// Those prospects that may come to lie near the best, or to be needed at all: others have settled too far below. A
-/// candidate that has settled nowhere is kept wherever it stands, one that comes to the same place twice is kept once.
+/// Those prospects that may come to lie near the best, or to be needed at all: others have settled too far below. One
+/// that has not settled is kept unless the candidate is of use from another start, one that comes to the same place twice
+/// is kept once.
 fn worth_fitting(mut all: Vec<Prospect>) -> Vec<Prospect> {
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let best = all.first().map_or(0.0, |prospect| prospect.gain);
@@ -193,16 +200,15 @@ fn worth_fitting(mut all: Vec<Prospect>) -> Vec<Prospect> {
         let known = kept.iter().rfind(|other| other.id() == prospect.id());
         let again = known.is_some_and(|other| other.gain - prospect.gain < SAME_PLACE);
         let may_rise = prospect.gain + STEPS_TO_COME * prospect.rise > floor;
-        let settled = known.is_some_and(|other| other.gain > UNSETTLED);
-        let stuck = !settled && prospect.gain < UNSETTLED && prospect.rise < SAME_PLACE;
-        if kept.len() < ALWAYS_FITTED || (!again && (may_rise || stuck)) {
+        let settled = prospect.settled() || known.is_some_and(|other| other.gain > NEEDLESS);
+        if kept.len() < ALWAYS_FITTED || (!again && (may_rise || !settled)) {
             kept.push(prospect);
         }
     }
     kept
 }
 
-/// Each candidate's best start after one step, the unknowns of `before` starting from `values`.
+/// Each candidate's best start after one step, and the next best where that does nothing, the unknowns of `before` starting from `values`.
 fn best_starts(
     problem: &Problem<'_>,
     before: &Fit,
@@ -212,22 +218,31 @@ fn best_starts(
     let best_start = |chord: &Chord, &candidate: &&'static dyn Effect| {
         let effects = [&before.effects[..], &[candidate]].concat();
         let starts = candidate.starts(&problem.sizes).into_iter();
-        let ends = starts.filter_map(|own| descend(problem, chord, &effects, &[values, &own].concat(), 1));
-        let best = ends.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
-        Some(Prospect::new(problem, before, effects, best))
+        let mut ends: Vec<Descent> =
+            starts.filter_map(|own| descend(problem, chord, &effects, &[values, &own].concat(), 1)).collect();
+        ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        // A threshold that nothing reaches changes nothing: the next best start shows what one that is reached does.
+        let idle = ends.first().is_some_and(|end| (before.criterion() - end.criterion).abs() < IDLE);
+        ends.truncate(if idle { 2 } else { 1 });
+        ends.into_iter().map(|end| Prospect::new(problem, before, effects.clone(), end)).collect()
     };
-    chord(problem, before, values)
-        .map(|chord| candidates.par_iter().filter_map(|c| best_start(&chord, c)).collect())
-        .unwrap_or_default()
+    let Some(chord) = chord(problem, before, values) else { return Vec::new() };
+    let all: Vec<Vec<Prospect>> = candidates.par_iter().map(|c| best_start(&chord, c)).collect();
+    all.into_iter().flatten().collect()
 }
 
-/// The prospects a few steps further, the unknowns of `before` linearised at `values`.
+/// The prospects a few steps further, the unknowns of `before` linearised at `values`. One that does not settle has
+/// followed a Jacobian that no longer holds, and stays where it began.
 fn further(problem: &Problem<'_>, before: &Fit, values: &[f64], from: Vec<Prospect>) -> Vec<Prospect> {
     let Some(chord) = chord(problem, before, values) else { return Vec::new() };
     from.into_par_iter()
         .filter_map(|Prospect { effects, values, .. }| {
             let end = descend(problem, &chord, &effects, &values, CHORD_STEPS)?;
-            Some(Prospect::new(problem, before, effects, end))
+            let mut prospect = Prospect::new(problem, before, effects, end);
+            if !prospect.settled() {
+                prospect.values = values;
+            }
+            Some(prospect)
         })
         .collect()
 }
