@@ -29,6 +29,8 @@ const LARGE: f64 = 0.03;
 /// A switch of the input counts as recent for this time, s.
 const RECENT_S: f64 = 0.3;
 
+const LATE: &str = "late against early";
+
 /// A parameter that is not the same everywhere.
 #[derive(Clone, Debug)]
 pub struct Inconsistency {
@@ -89,7 +91,8 @@ pub fn inconsistencies(problem: &Problem<'_>, split: &Split, fit: &Fit) -> Optio
     let solver = part.cholesky()?;
     let lag = (CORRELATION_S / problem.sizes.step).ceil() as usize;
     let mut all = Vec::new();
-    // The user's mount is held by its prior: its scores do not add up to zero. An effect of time alone has no other time.
+    // The user's mount is held by its prior: its scores do not add up to zero. An effect of time has no other time,
+    // and says itself what changes over time.
     let of_time: Vec<usize> = (0..fit.effects.len())
         .filter(|&i| fit.effects[i].about().variable == "t")
         .flat_map(|i| fit.own_range(problem, i))
@@ -98,7 +101,8 @@ pub fn inconsistencies(problem: &Problem<'_>, split: &Split, fit: &Fit) -> Optio
         let of_model = problem.noise_range().contains(*i) || problem.mount_range().contains(*i);
         !of_model && !of_time.contains(*i)
     };
-    for (words, weight) in regimes(problem, split, fit)? {
+    let regimes = regimes(problem, split, fit)?.into_iter();
+    for (words, weight) in regimes.filter(|(words, _)| of_time.is_empty() || words != LATE) {
         for &i in moving.iter().filter(tested) {
             let scores: Vec<f64> = (0..rows).map(|k| weight[k] * inner(&slopes[i][k], &errors[k])).collect();
             let m: f64 = scores.iter().sum();
@@ -146,7 +150,7 @@ fn regimes(problem: &Problem<'_>, split: &Split, fit: &Fit) -> Option<Vec<(Strin
         "at large commands",
         "at positive commands against negative",
         "shortly after a switch of the input",
-        "late against early",
+        LATE,
     ]
     .iter()
     .map(|words| ((*words).to_owned(), Vec::new()))

@@ -213,10 +213,10 @@ mod tests {
         let largest = |run: &Run| run.angle.iter().flatten().fold(0.0, |m: f64, a| m.max(a.abs()));
         assert!(largest(&free) > 2.0 * limit, "{}", largest(&free));
         assert!(largest(&held) < 0.75 * largest(&free), "{}", largest(&held));
-        let angle = held.angle.as_ref().unwrap();
-        for k in 1..held.len() {
-            let handed_back = held.supervised[k - 1] && !held.supervised[k];
-            assert!(!handed_back || angle[k].abs() <= 0.5 * limit, "{k}");
+        let angles = held.angle.as_ref().unwrap();
+        for (pair, angle) in held.supervised.windows(2).zip(&angles[1..]) {
+            let handed_back = pair[0] && !pair[1];
+            assert!(!handed_back || angle.abs() <= 0.5 * limit, "{angle}");
         }
         assert!(held.supervised.iter().any(|s| *s) && !held.supervised.iter().all(|s| *s));
     }

@@ -7,6 +7,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Length of the windows whose power is compared, s.
 const WINDOW_S: f64 = 3.0;
+/// The disturbance's estimate is the predictor's own transient for this time after the start of a run, s.
+const SETTLED_S: f64 = 4.0;
 /// Frequencies between which a line is looked for, rad/s.
 const LINES: [f64; 2] = [0.8, 40.0];
 
@@ -134,8 +136,9 @@ fn burst(problem: &Problem<'_>, fit: &Fit) -> Option<Burst> {
     problem.track(
         &unpacked,
         |run, k, point| {
-            if problem.counted[run][k] {
-                moments.push((problem.data.runs[run].time(k), unpacked.disturbance.moment(&point.x)));
+            let data = &problem.data.runs[run];
+            if problem.counted[run][k] && data.time(k) > data.start + SETTLED_S {
+                moments.push((data.time(k), unpacked.disturbance.moment(&point.x)));
             }
         },
         &mut |_, _| {},

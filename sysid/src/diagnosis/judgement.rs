@@ -3,7 +3,7 @@
 
 use super::answer::Verdict;
 use super::consistency::inconsistency;
-use super::effects::Effect;
+use super::effects::{Effect, Locus};
 use super::goodness::{Departure, Goodness, goodness};
 use super::gust::{Gust, gust};
 use super::held_out::Split;
@@ -24,6 +24,8 @@ const LARGE_LEFTOVER: f64 = 0.05;
 /// A correction whose free run on the held-out sections is this much worse, in points of VAF, is not made.
 const COST_POINTS: f64 = 0.5;
 
+/// A gain in BIC below this share of another finding's at the same place is put down to that one's equation.
+const MENDING: f64 = 0.05;
 /// Variables of which a moment can be a curve.
 const CURVED: [&str; 3] = ["u", "q", "theta"];
 
@@ -61,7 +63,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let mut refused = Vec::new();
         let mut selection = confirmed(problem, split, selection, &mut refused);
         let unlisted = unlisted(problem, split, &mut selection);
-        let Selection { baseline, extended, findings } = selection;
+        let Selection { baseline, extended, mut findings } = selection;
+        leave_mending(&mut findings);
         let likelihood_gain = held_out_gain(problem, split, &baseline, &extended);
         let goodness = goodness(problem, &extended);
         let departure = goodness
@@ -120,6 +123,16 @@ impl<'p, 'd> Judgement<'p, 'd> {
     pub fn vaf_gain(&self) -> f64 {
         self.extended.held_out_vaf(self.split) - self.baseline.held_out_vaf(self.split)
     }
+}
+
+/// Takes out of the list, not of the model, what is small beside a finding at the same place in the loop: it mends that
+/// one's idealised equation, and is no physics of its own.
+fn leave_mending(findings: &mut Vec<Finding>) {
+    let strong: Vec<(Locus, f64)> = findings.iter().map(|f| (f.effect.about().locus, f.delta_bic)).collect();
+    let mends = |f: &Finding| {
+        strong.iter().any(|(locus, bic)| *locus == f.effect.about().locus && f.delta_bic < MENDING * bic)
+    };
+    findings.retain(|f| !mends(f));
 }
 
 /// Two effects of one variable at one place stand for a single curve that neither of them is.

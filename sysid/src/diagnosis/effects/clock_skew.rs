@@ -26,7 +26,7 @@ impl Effect for ClockSkew {
         }]
     }
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
-        vec![vec![5e-4], vec![-5e-4]]
+        [5e-4, -5e-4, 1.5e-3, -1.5e-3, 2.5e-3, -2.5e-3].map(|epsilon| vec![epsilon]).to_vec()
     }
     fn delay(&self, p: &[f64], at: &Conditions) -> f64 {
         p[0] * at.t
