@@ -24,10 +24,21 @@ const LARGE_LEFTOVER: f64 = 0.05;
 /// A correction whose free run on the held-out sections is this much worse, in points of VAF, is not made.
 const COST_POINTS: f64 = 0.5;
 
+/// A free run that reaches less than this share of the ceiling explains little.
+const LITTLE: f64 = 0.2;
 /// A gain in BIC below this share of another finding's at the same place is put down to that one's equation.
 const MENDING: f64 = 0.05;
-/// Variables of which a moment can be a curve.
-const CURVED: [&str; 3] = ["u", "q", "theta"];
+/// Effects that are a curve over one variable. A straight line beside a curve is no second one.
+const CURVES: [&str; 8] = [
+    "coulomb_friction",
+    "quadratic_drag",
+    "cubic_stiffness",
+    "end_stop",
+    "servo_saturation",
+    "servo_deadband",
+    "thrust_curve",
+    "gyro_saturation",
+];
 
 /// Everything the answer is made from.
 pub struct Judgement<'p, 'd> {
@@ -97,7 +108,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         // An unstable vehicle has no free run to speak of: where effects are found, a gap alone does not unmake them.
         let doubtful = self.findings.is_empty() || self.heavy_tails;
         let far = doubtful && self.gap_to(ceiling) > UNEXPLAINED_POINTS;
-        if self.unlisted.is_some() || self.departure.is_some() || far {
+        if self.unlisted.is_some() || self.departure.is_some() || far || self.explains_little(ceiling) {
             return Verdict::Unlisted;
         }
         if self.findings.is_empty() && self.gust.is_none() {
@@ -105,6 +116,18 @@ impl<'p, 'd> Judgement<'p, 'd> {
         }
         let ruled_out = self.findings.iter().all(|f| f.rivals.is_empty());
         if ruled_out { Verdict::Named } else { Verdict::Ambiguous }
+    }
+
+    /// Whether effects were found and the free run of the sections that were fitted on stays far below the ceilings all the
+    /// same, although the model is stable: they explain a prediction, not the motion.
+    fn explains_little(&self, ceiling: &BTreeMap<String, f64>) -> bool {
+        let training = self.split.training.iter().zip(&self.extended.vaf);
+        let (reached, reachable) = training.fold((0.0, 0.0), |(reached, reachable), (place, vaf)| {
+            (reached + vaf, reachable + ceiling.get(&place.label).copied().unwrap_or(0.0))
+        });
+        let unpacked = self.problem.unpack(&self.extended.fit.effects, &self.extended.fit.minimum.values);
+        let model = self.problem.model(&unpacked, self.problem.sizes.step);
+        !self.findings.is_empty() && reached < LITTLE * reachable && model.is_some_and(|m| m.is_stable())
     }
 
     /// Points of VAF by which the sections that were fitted on stay below their ceilings, in the mean.
@@ -138,10 +161,7 @@ fn leave_mending(findings: &mut Vec<Finding>) {
 /// Two effects of one variable at one place stand for a single curve that neither of them is.
 fn one_curve(findings: &[Finding]) -> Option<Departure> {
     let place = |finding: &Finding| (finding.effect.about().locus, finding.effect.about().variable);
-    let curves: Vec<&Finding> = findings
-        .iter()
-        .filter(|f| f.effect.states() == 0 && CURVED.contains(&f.effect.about().variable))
-        .collect();
+    let curves: Vec<&Finding> = findings.iter().filter(|f| CURVES.contains(&f.effect.about().id)).collect();
     let again = |i: &usize| curves[..*i].iter().any(|other| place(other) == place(curves[*i]));
     let of_one = place(curves[(0..curves.len()).find(again)?]);
     let variable = of_one.1;

@@ -177,6 +177,12 @@ impl<'a> PitchModel<'a> {
         })
     }
 
+    /// Whether the linear model's motion dies out or drifts, but does not grow.
+    pub fn is_stable(&self) -> bool {
+        const HAIR: f64 = 1e-6;
+        self.over_sample.complex_eigenvalues().iter().all(|root| root.norm() <= 1.0 + HAIR)
+    }
+
     /// Indices of the states that are measured: rate and angle.
     pub fn measured(&self) -> (usize, usize) {
         self.measured
