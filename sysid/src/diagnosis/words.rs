@@ -19,10 +19,14 @@ pub fn summary(answer: &Answer, refused: &[&str], corrected: bool) -> String {
         Verdict::Unlisted => format!(
             "Physics is missing, and nothing in the catalogue explains it: free-run VAF {before:.1} % on held-out {held}, \
              where an unstructured model reaches {ceiling:.1} %.{}",
-            answer
-                .effects
-                .first()
-                .map_or(String::new(), |e| format!(" What the model leaves: {}.", e.equation))
+            answer.effects.first().map_or(String::new(), |e| {
+                let modelled = if corrected && after > before {
+                    format!(" With what was fitted to it: {after:.1} %.")
+                } else {
+                    String::new()
+                };
+                format!(" What the model leaves: {}.{modelled}", e.equation)
+            })
         ),
         _ => {
             let found: Vec<String> = answer.effects.iter().map(told).collect();
