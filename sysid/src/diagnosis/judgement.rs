@@ -215,7 +215,7 @@ fn confirmed(
 fn unlisted(problem: &Problem<'_>, split: &Split, selection: &mut Selection) -> Option<Leftover> {
     let mut found = leftover(problem, selection)?;
     if let Some((term, fit)) = found.instead.take()
-        && fit.bic(problem) < selection.extended.bic(problem)
+        && fit.bic(problem) < selection.extended.bic(problem) - DETECTION
         && held_out_gain(problem, split, &selection.extended, &fit) > 0.0
     {
         found.delta_bic = selection.baseline.bic(problem) - fit.bic(problem);
