@@ -3,11 +3,11 @@
 //!
 //! | cause | asked of |
 //! | --- | --- |
-//! | `clock`, `saturation`, `dead_channel` | the recordings ([`channels`]) |
-//! | `rate_sign`, `rate_unit` | the rate's integral against the angle ([`motion`]) |
-//! | `input_sign`, `input_unit` | ∂M/∂u as fitted against the user's model ([`input`]) |
-//! | `delay`, `input_hold` | the likelihood, the delay set free ([`timing`]) |
-//! | `feedback` | the innovations against later inputs ([`feedback`]) |
+//! | `clock`, `saturation`, `dead_channel` | the recordings (`channels`) |
+//! | `rate_sign`, `rate_unit` | the rate's integral against the angle (`motion`) |
+//! | `input_sign`, `input_unit` | ∂M/∂u as fitted against the user's model (`input`) |
+//! | `delay`, `input_hold` | the likelihood, the delay set free (`timing`) |
+//! | `feedback` | the innovations against later inputs (`feedback`) |
 
 mod channels;
 mod feedback;
