@@ -178,7 +178,7 @@ fn the_supervisor_is_told_as_a_fact() {
     let few = loops(&entered.recording(), 0.06);
     assert_eq!((few.state, few.gravity), (State::Found, Gravity::Told), "{few:?}");
     assert!(few.words.contains("1.4 % of I") && !few.words.contains("not open loop"), "{few:?}");
-    entered.supervised[300..1200].fill(true);
+    entered.supervised[300..1700].fill(true);
     assert_eq!(loops(&entered.recording(), 0.06).gravity, Gravity::Headline);
 }
 
