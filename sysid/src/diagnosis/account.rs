@@ -264,20 +264,7 @@ fn undescribed(location: &Location, departure: Option<String>, heavy_tails: bool
         }
         (None, None) => "a moment that depends on none of u, its rate, q, theta and t alone".into(),
     };
-    EffectAnswer {
-        id: "unlisted".into(),
-        locus: location.locus,
-        equation,
-        parameters: Vec::new(),
-        probability: 1.0,
-        alternatives: Vec::new(),
-        evidence: Evidence {
-            delta_bic: 0.0,
-            p_value: 1.0,
-            vaf_gain_points: 0.0,
-            held_out_log_likelihood_gain: 0.0,
-        },
-    }
+    EffectAnswer::undescribed(location.locus, equation)
 }
 
 /// What any model reaches on each section: the better of an FIR model of two seconds' memory fitted to the section

@@ -64,6 +64,26 @@ pub struct EffectAnswer {
     pub evidence: Evidence,
 }
 
+impl EffectAnswer {
+    /// What has no name and no parameters, told in words.
+    pub fn undescribed(locus: Locus, words: String) -> Self {
+        Self {
+            id: "unlisted".into(),
+            locus,
+            equation: words,
+            parameters: Vec::new(),
+            probability: 1.0,
+            alternatives: Vec::new(),
+            evidence: Evidence {
+                delta_bic: 0.0,
+                p_value: 1.0,
+                vaf_gain_points: 0.0,
+                held_out_log_likelihood_gain: 0.0,
+            },
+        }
+    }
+}
+
 /// A candidate that the data cannot rule out.
 #[derive(Clone, Debug, Serialize)]
 pub struct Alternative {

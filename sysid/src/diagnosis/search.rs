@@ -167,7 +167,9 @@ impl Prospect {
 
 /// `before` with each of `candidates` after one step from its best start, best BIC first.
 pub fn screen(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Prospect> {
-    let mut all = best_starts(problem, before, candidates, &before.minimum.values);
+    let optimum = &before.minimum.values;
+    let Some(chord) = chord(problem, before, optimum) else { return Vec::new() };
+    let mut all = best_starts(problem, before, candidates, optimum, &chord);
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     all
 }
@@ -175,15 +177,22 @@ pub fn screen(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Ef
 /// The candidates a few steps from the optimum of `before`, and from near output error.
 fn prospects(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Prospect> {
     let optimum = &before.minimum.values;
-    let starts = best_starts(problem, before, candidates, optimum);
-    let mut all = further(problem, before, optimum, starts);
-    if let Some(mut low) = near_output_error(problem, before) {
-        let mut starts = best_starts(problem, before, candidates, &low);
+    let mut all = Vec::new();
+    if let Some(chord) = chord(problem, before, optimum) {
+        let starts = best_starts(problem, before, candidates, optimum, &chord);
+        all.extend(further(problem, before, starts, &chord));
+    }
+    if let Some(mut low) = near_output_error(problem, before)
+        && let Some(at_low) = chord(problem, before, &low)
+    {
+        let mut starts = best_starts(problem, before, candidates, &low, &at_low);
         let noise = problem.noise_range();
         for values in starts.iter_mut().map(|start| &mut start.values).chain([&mut low]) {
             values[noise.clone()].copy_from_slice(&optimum[noise.clone()]);
         }
-        all.extend(further(problem, before, &low, starts));
+        if let Some(chord) = chord(problem, before, &low) {
+            all.extend(further(problem, before, starts, &chord));
+        }
     }
     all
 }
@@ -208,14 +217,16 @@ fn worth_fitting(mut all: Vec<Prospect>) -> Vec<Prospect> {
     kept
 }
 
-/// Each candidate's best start after one step, and the next best where that does nothing, the unknowns of `before` starting from `values`.
+/// Each candidate's best start after one step, and the next best where that does nothing, the unknowns of `before` starting
+/// from `values`, where `chord` was taken.
 fn best_starts(
     problem: &Problem<'_>,
     before: &Fit,
     candidates: &[&'static dyn Effect],
     values: &[f64],
+    chord: &Chord,
 ) -> Vec<Prospect> {
-    let best_start = |chord: &Chord, &candidate: &&'static dyn Effect| {
+    let best_start = |&candidate: &&'static dyn Effect| {
         let effects = [&before.effects[..], &[candidate]].concat();
         let starts = candidate.starts(&problem.sizes).into_iter();
         let mut ends: Vec<Descent> =
@@ -226,18 +237,16 @@ fn best_starts(
         ends.truncate(if idle { 2 } else { 1 });
         ends.into_iter().map(|end| Prospect::new(problem, before, effects.clone(), end)).collect()
     };
-    let Some(chord) = chord(problem, before, values) else { return Vec::new() };
-    let all: Vec<Vec<Prospect>> = candidates.par_iter().map(|c| best_start(&chord, c)).collect();
+    let all: Vec<Vec<Prospect>> = candidates.par_iter().map(best_start).collect();
     all.into_iter().flatten().collect()
 }
 
-/// The prospects a few steps further, the unknowns of `before` linearised at `values`. One that does not settle has
-/// followed a Jacobian that no longer holds, and stays where it began.
-fn further(problem: &Problem<'_>, before: &Fit, values: &[f64], from: Vec<Prospect>) -> Vec<Prospect> {
-    let Some(chord) = chord(problem, before, values) else { return Vec::new() };
+/// The prospects a few steps further along `chord`. One that does not settle has followed a Jacobian that no longer holds,
+/// and stays where it began.
+fn further(problem: &Problem<'_>, before: &Fit, from: Vec<Prospect>, chord: &Chord) -> Vec<Prospect> {
     from.into_par_iter()
         .filter_map(|Prospect { effects, values, .. }| {
-            let end = descend(problem, &chord, &effects, &values, CHORD_STEPS)?;
+            let end = descend(problem, chord, &effects, &values, CHORD_STEPS)?;
             let mut prospect = Prospect::new(problem, before, effects, end);
             if !prospect.settled() {
                 prospect.values = values;

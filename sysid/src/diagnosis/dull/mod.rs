@@ -17,7 +17,7 @@ mod input;
 mod motion;
 mod timing;
 
-use super::answer::{Answer, EffectAnswer, Evidence, Location, Verdict};
+use super::answer::{Answer, EffectAnswer, Location, Verdict};
 use super::effects::Locus;
 use super::held_out::Split;
 use super::judge::estimates;
@@ -152,7 +152,7 @@ pub fn tell(answer: &mut Answer, causes: Vec<DullCause>) {
             "{} No physics is named before that is put right: what is missing beside it would be mistaken for something else.",
             sentence(&foremost)
         );
-        answer.effects = vec![no_physics(&causes, stops.join("; "))];
+        answer.effects = vec![EffectAnswer::undescribed(locus(&causes), stops.join("; "))];
     }
     answer.dull_causes = causes;
 }
@@ -167,23 +167,6 @@ fn sentence(parts: &[&str]) -> String {
             letter.to_uppercase().chain(letters).collect::<String>() + "."
         }
         _ => text + ".",
-    }
-}
-
-fn no_physics(causes: &[DullCause], words: String) -> EffectAnswer {
-    EffectAnswer {
-        id: "unlisted".into(),
-        locus: locus(causes),
-        equation: words,
-        parameters: Vec::new(),
-        probability: 1.0,
-        alternatives: Vec::new(),
-        evidence: Evidence {
-            delta_bic: 0.0,
-            p_value: 1.0,
-            vaf_gain_points: 0.0,
-            held_out_log_likelihood_gain: 0.0,
-        },
     }
 }
 
