@@ -94,6 +94,47 @@ fn a_coloured_disturbance_is_no_mismatch() {
     assert!(right >= 19);
 }
 
+/// `id` at its strong size, on a clean background.
+fn plain(id: &'static str) -> impl Fn(u64) -> (Scenario, String) {
+    move |seed| {
+        let setting = Setting::usual(id, true).expect("the effect is in the catalogue");
+        let bare = scenario(500 + seed, Background::Clean);
+        (Scenario { effects: vec![setting], ..bare }, String::new())
+    }
+}
+
+#[test]
+fn an_inertia_that_steps_is_named_with_its_moment() {
+    let moment = |scenario: &Scenario| {
+        let values: Vec<f64> = scenario.effects[0].parameters().map(|(_, value)| value).collect();
+        values[1]
+    };
+    let concealed = moment(&plain("inertia_step")(0).0);
+    let right = tally("inertia_step", 4, plain("inertia_step"), |answer| {
+        let told = answer.effects.iter().flat_map(|e| &e.parameters).find(|p| p.name == "t_star");
+        is_named("inertia_step")(answer)
+            && told.is_some_and(|t| {
+                t.ci95[0] <= concealed && concealed <= t.ci95[1] && t.ci95[1] - t.ci95[0] < 2.0
+            })
+    });
+    assert!(right >= 3);
+}
+
+#[test]
+fn a_thrust_that_flattens_is_no_saturation() {
+    assert!(tally("thrust_curve", 4, plain("thrust_curve"), is_named("thrust_curve")) >= 3);
+}
+
+#[test]
+fn a_gust_beside_a_resonant_background_is_named() {
+    assert!(tally("gust", 4, plain("gust_disturbance"), is_named("gust_disturbance")) >= 3);
+}
+
+#[test]
+fn clocks_that_drift_are_all_that_is_named() {
+    assert!(tally("clock_skew", 4, plain("clock_skew"), is_named("clock_skew")) >= 3);
+}
+
 #[test]
 fn what_no_catalogue_lists_is_called_unlisted() {
     const OUTSIDE: [&str; 4] =

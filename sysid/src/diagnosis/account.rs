@@ -174,7 +174,7 @@ impl Judgement<'_, '_> {
             probability: 1.0 - gust.p_value,
             alternatives: Vec::new(),
             evidence: Evidence {
-                delta_bic: gust.score * gust.score - (self.problem.count() as f64).ln(),
+                delta_bic: gust.delta_bic,
                 p_value: gust.p_value,
                 vaf_gain_points: 0.0,
                 held_out_log_likelihood_gain: 0.0,

@@ -22,6 +22,8 @@ const AROUND: [usize; 2] = [3, 20];
 const LINE: f64 = 20.0;
 /// Kurtosis that innovations of Gaussian noise never reach in a recording of usual length.
 const HEAVY: f64 = 3.6;
+/// Kurtosis that they seldom reach.
+const UNLIKELY: f64 = 3.3;
 
 /// Figures of what a model leaves.
 #[derive(Clone, Debug)]
@@ -55,6 +57,21 @@ pub struct Departure {
 }
 
 impl Goodness {
+    /// What speaks against a random moment that is the same at all times, as a gust is: windows in which it is far stronger
+    /// than in others, or errors that noise does not make.
+    pub fn unevenness(&self) -> Option<Departure> {
+        let uneven = self.burst.ratio > STRONG || self.kurtosis > UNLIKELY;
+        uneven.then(|| Departure {
+            words: format!(
+                "a random moment that comes and goes: up to {} times the power of the median window (kurtosis of what is \
+                 left: {}; 3 for noise)",
+                digits(self.burst.ratio),
+                digits(self.kurtosis)
+            ),
+            windows: if self.burst.ratio > STRONG { self.burst.windows.clone() } else { Vec::new() },
+        })
+    }
+
     /// Whether the tails are heavier than those of noise.
     pub fn heavy_tails(&self) -> bool {
         self.kurtosis > HEAVY
@@ -195,6 +212,20 @@ mod tests {
         assert!((kurtosis(&values) - 2.9).abs() < 0.2, "{}", kurtosis(&values));
         values.iter_mut().step_by(100).for_each(|v| *v *= 6.0);
         assert!(kurtosis(&values) > HEAVY);
+    }
+
+    #[test]
+    fn a_moment_that_comes_and_goes_is_no_gust() {
+        let even = Goodness {
+            kurtosis: 3.0,
+            line: (6.0, 4.0),
+            burst: Burst { ratio: 2.5, score: 0.6, windows: vec![[3.0, 6.0]] },
+        };
+        assert!(even.unevenness().is_none() && even.departure().is_none());
+        let burst = Burst { ratio: 14.0, ..even.burst.clone() };
+        let uneven = Goodness { burst, ..even.clone() }.unevenness().unwrap();
+        assert_eq!(uneven.windows, [[3.0, 6.0]]);
+        assert!(Goodness { kurtosis: 3.5, ..even }.unevenness().unwrap().windows.is_empty());
     }
 
     #[test]

@@ -1,26 +1,24 @@
-//! A disturbance that is more than the ordinary background: told by its spectrum.
+//! A gust: a disturbance that is more than the ordinary background.
 //!
-//! The moment that the input does not cause has the fitted spectrum (a < b)
-//!
-//! ```text
-//! S(ω) = K (z² + ω²) / ((a² + ω²)(b² + ω²)) = A / (a² + ω²) + (K − A) ω² / ((a² + ω²)(b² + ω²)),    A = K z²/b²
-//! ```
-//!
-//! whose first part is a gust, T ẇ = −w + noise with T = 1/a and σ² = A/(2a), and whose second part is a band-passed
-//! background. Background has little power at low frequencies; a gust has most of its power there.
+//! Background is a band-passed moment: it has no power at rest. A gust, T ẇ = −w + noise, has most of its power at low
+//! frequencies. Both are fitted side by side, and it is a gust if the likelihood needs it beside a band-passed background,
+//! or if both moments together have more power at low frequencies than any background has.
 
+use super::effects::{About, Amplitudes, Effect, Parameter, Scale, gust_disturbance::GustDisturbance};
 use super::problem::Problem;
-use super::search::Fit;
+use super::rank::{DETECTION, RETENTION, odds, without};
+use super::search::{FINISH, Fit, refit};
 use crate::estimate::Estimate;
-use crate::identify::levenberg_marquardt::covariance;
-use crate::model::grey_box::Disturbance;
-use nalgebra::DVector;
+use crate::identify::levenberg_marquardt::{Coordinate, covariance, minimize};
+use crate::model::grey_box::{self, Disturbance};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// Bands that tell a gust from the background, rad/s.
 const LOW_BAND: [f64; 2] = [0.3, 0.8];
 const HIGH_BAND: [f64; 2] = [3.0, 6.0];
-/// Power in the low band relative to the high band from which on a disturbance is a gust. Band-passed backgrounds lie
-/// below 0.35, gusts above 2.
+/// Power in the low band relative to the high band from which on a disturbance is a gust, whatever its poles. Band-passed
+/// backgrounds lie below 0.35, gusts above 2.
 const LEAST_RATIO: f64 = 0.7;
 /// Standard errors by which the logarithm of the ratio must exceed that of a background.
 const LEAST_SCORE: f64 = 2.0;
@@ -30,39 +28,96 @@ const BACKGROUND_RATIO: f64 = 0.35;
 const WIDEST: f64 = 1.0;
 /// A moment slower than this share of the data is a drift, of which no spectrum is seen.
 const LONGEST_SHARE: f64 = 0.1;
+/// A moment faster than this is the background's own fall towards high frequencies, s.
+const SHORTEST: f64 = 0.1;
+/// In less than two periods of the slowest frequency that is looked at no spectrum is seen, s.
+const LEAST_DATA: f64 = 4.0 * std::f64::consts::PI / LOW_BAND[0];
 /// A gust weaker than this share of the control moment is an ordinary background.
 const MILD: f64 = 0.05;
+/// Zero of a background without slow parts, rad/s, and the width of the prior that holds it there.
+const NO_SLOW_PART: (f64, f64) = (0.03, 0.01);
+/// A zero below this share of the background's frequency, and a ratio below this, are those of a background.
+const WORTH_A_LOOK: (f64, f64) = (0.1, 0.5);
+/// Time constants to start from, s.
+const TIMES: [f64; 2] = [0.4, 2.0];
 
 /// A disturbance that is a finding.
-#[derive(Clone, Debug)]
 pub struct Gust {
     /// σ in N m and T in s.
     pub parameters: Vec<Estimate>,
-    /// Standard errors by which the logarithm of the ratio exceeds that of a background.
-    pub score: f64,
-    /// Odds of so large a ratio if the disturbance were an ordinary background.
+    /// BIC of a band-passed background alone less BIC with the gust, or what the low frequencies alone amount to.
+    pub delta_bic: f64,
+    /// Odds of as much by chance if the disturbance were an ordinary background.
     pub p_value: f64,
+    /// The fit with it, the last of the effects.
+    fit: Fit,
+}
+
+impl Gust {
+    /// Place among the effects of one that is not needed once the noise model has the gust.
+    pub fn makes_needless(&self, problem: &Problem<'_>) -> Option<usize> {
+        let full = refit(problem, &self.fit.effects, &self.fit.minimum.values)?;
+        let rises = |i: &usize| without(problem, &full, *i).map(|less| less.bic(problem) - full.bic(problem));
+        (0..full.effects.len() - 1).find(|i| rises(i).is_some_and(|rise| rise < RETENTION))
+    }
+}
+
+/// The gust's moment in the noise model, σ relative to the noise of the first channel.
+struct SecondMoment;
+
+impl Effect for SecondMoment {
+    fn about(&self) -> About {
+        GustDisturbance.about()
+    }
+    fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
+        let unit = 10.0 * data.moment / data.q;
+        vec![
+            Parameter { name: "sigma", unit: "1", lower: 1e-5 * unit, upper: 1e5 * unit, scale: Scale::Log },
+            Parameter { name: "T", unit: "s", lower: data.step, upper: data.duration, scale: Scale::Log },
+        ]
+    }
+    fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+    fn gust(&self, p: &[f64]) -> Option<grey_box::Gust> {
+        Some(grey_box::Gust { sigma: p[0], time_constant: p[1] })
+    }
 }
 
 /// Whether the disturbance that `fit` found is a gust.
 pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
-    let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
-    let told = Told::of(&unpacked.disturbance);
-    let time = (-told.log_pole).exp();
-    let slow = told.log_ratio > LEAST_RATIO.ln() && time < LONGEST_SHARE * problem.sizes.duration;
-    if !slow {
+    let disturbance = problem.unpack(&fit.effects, &fit.minimum.values).disturbance;
+    let (least_zero, least_ratio) = WORTH_A_LOOK;
+    let like_background =
+        disturbance.zero < least_zero * disturbance.frequency && log_ratio(&disturbance) < least_ratio.ln();
+    if like_background || problem.sizes.duration < LEAST_DATA {
         return None;
     }
-    let sigma = told.log_sigma.exp() * sensor_noise(problem, fit)?;
-    if sigma < MILD * problem.sizes.moment {
+    let (background, fit) = without_and_with(problem, fit, &disturbance)?;
+    let own = fit.own_range(problem, fit.effects.len() - 1);
+    let [relative, time] = [fit.minimum.values[own.start], fit.minimum.values[own.start + 1]];
+    let sigma = relative * sensor_noise(problem, &fit)?;
+    let slow = (SHORTEST..LONGEST_SHARE * problem.sizes.duration).contains(&time);
+    if !slow || sigma < MILD * problem.sizes.moment {
         return None;
     }
-    let errors = standard_errors(problem, fit)?;
-    let score = (told.log_ratio - BACKGROUND_RATIO.ln()) / errors.log_ratio;
-    let sure = score > LEAST_SCORE && errors.log_sigma <= WIDEST;
-    if !sure {
+    let covariance = covariance_of(problem, &fit)?;
+    let deviation = |i: usize| covariance[(i, i)].max(0.0).sqrt() / fit.minimum.values[i];
+    let (log_sigma, log_time) = (deviation(own.start), deviation(own.start + 1));
+
+    let gain = background.criterion() - fit.criterion();
+    let by_likelihood = gain - own.len() as f64 * (problem.count() as f64).ln();
+    let ratio = log_ratio(&problem.unpack(&fit.effects, &fit.minimum.values).disturbance);
+    let score = (ratio - BACKGROUND_RATIO.ln()) / error_of_ratio(problem, &fit, &covariance);
+    let by_ratio = ratio > LEAST_RATIO.ln() && score > LEAST_SCORE && log_sigma <= WIDEST;
+    let (delta_bic, p_value) = if by_likelihood > DETECTION {
+        (by_likelihood, odds(gain, own.len()))
+    } else if by_ratio {
+        let chance = 0.5 * statrs::function::erf::erfc(score / std::f64::consts::SQRT_2);
+        (score * score - (problem.count() as f64).ln(), chance)
+    } else {
         return None;
-    }
+    };
     let estimate = |name: &str, unit: &str, value: f64, error: f64, bounds: [f64; 2]| {
         let mut estimate = Estimate::new(name, unit, value, value * error, bounds);
         let times = |sign: f64| (value * (sign * 1.96 * error).exp()).clamp(bounds[0], bounds[1]);
@@ -72,34 +127,61 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     let largest = problem.sizes.moment.max(sigma);
     Some(Gust {
         parameters: vec![
-            estimate("sigma", "N m", sigma, errors.log_sigma, [0.0, largest]),
-            estimate("T", "s", time, errors.log_pole, [problem.sizes.step, problem.sizes.duration]),
+            estimate("sigma", "N m", sigma, log_sigma, [0.0, largest]),
+            estimate("T", "s", time, log_time, [problem.sizes.step, problem.sizes.duration]),
         ],
-        score,
-        p_value: 0.5 * statrs::function::erf::erfc(score / std::f64::consts::SQRT_2),
+        delta_bic,
+        p_value,
+        fit,
     })
 }
 
-/// What a disturbance model says of its slow part, in logarithms.
-#[derive(Clone, Copy)]
-struct Told {
-    log_ratio: f64,
-    /// ln σ, up to the sensor's noise.
-    log_sigma: f64,
-    /// ln a.
-    log_pole: f64,
+/// `fit` with a background that has no slow part, and that with a gust beside it.
+fn without_and_with(problem: &Problem<'_>, fit: &Fit, disturbance: &Disturbance) -> Option<(Fit, Fit)> {
+    let noise = problem.noise_range();
+    let mut own = fit.minimum.values.clone();
+    own[noise.start + 3] = NO_SLOW_PART.0;
+    let mut resonant = own.clone();
+    resonant[noise][1..4].copy_from_slice(&problem.resonance());
+    let alone = [own, resonant];
+    let slow = disturbance.spectrum(LOW_BAND[0]).sqrt();
+    let beside =
+        |start: &Vec<f64>| TIMES.map(|time| [&start[..], &[slow / (2.0 * time).sqrt(), time]].concat());
+    let both: Vec<Vec<f64>> = alone.iter().flat_map(beside).collect();
+    let effects = [&fit.effects[..], &[&SecondMoment]].concat();
+    let (without, with) = rayon::join(
+        || lowest_of_band_passed(problem, &fit.effects, &alone),
+        || lowest_of_band_passed(problem, &effects, &both),
+    );
+    Some((without?, with?))
 }
 
-impl Told {
-    fn of(disturbance: &Disturbance) -> Self {
-        let Disturbance { intensity, slow, fast, zero, .. } = *disturbance;
-        let (a, b) = (slow.min(fast), slow.max(fast));
-        Self {
-            log_ratio: (mean_power(disturbance, LOW_BAND) / mean_power(disturbance, HIGH_BAND)).ln(),
-            log_sigma: (intensity * zero / b).ln() - 0.5 * (2.0 * a).ln(),
-            log_pole: a.ln(),
-        }
-    }
+/// The unknowns, the background's zero held at that of a band pass.
+fn band_passed(problem: &Problem<'_>, effects: &[&'static dyn Effect]) -> Vec<Coordinate> {
+    let mut coordinates = problem.coordinates(effects);
+    coordinates[problem.noise_range().start + 3].prior = Some(NO_SLOW_PART);
+    coordinates
+}
+
+/// The lowest of the fits from `starts`.
+fn lowest_of_band_passed(
+    problem: &Problem<'_>,
+    effects: &[&'static dyn Effect],
+    starts: &[Vec<f64>],
+) -> Option<Fit> {
+    let coordinates = band_passed(problem, effects);
+    let residuals = |values: &[f64]| problem.prediction_errors(effects, values);
+    let fit = |start: &Vec<f64>| {
+        let minimum = minimize(&residuals, problem.channels(), &coordinates, start, FINISH)?;
+        Some(Fit { effects: effects.to_vec(), minimum })
+    };
+    let fits = starts.par_iter().filter_map(fit);
+    fits.min_by(|a, b| a.criterion().total_cmp(&b.criterion()))
+}
+
+/// ln of the power in the low band relative to the high band.
+fn log_ratio(disturbance: &Disturbance) -> f64 {
+    (mean_power(disturbance, LOW_BAND) / mean_power(disturbance, HIGH_BAND)).ln()
 }
 
 fn mean_power(disturbance: &Disturbance, band: [f64; 2]) -> f64 {
@@ -108,32 +190,25 @@ fn mean_power(disturbance: &Disturbance, band: [f64; 2]) -> f64 {
     (0..POINTS).map(|i| disturbance.spectrum(at(i))).sum::<f64>() / POINTS as f64
 }
 
-/// Standard errors of what is told, from those of the noise model's unknowns.
-fn standard_errors(problem: &Problem<'_>, fit: &Fit) -> Option<Told> {
-    let values = &fit.minimum.values;
+fn covariance_of(problem: &Problem<'_>, fit: &Fit) -> Option<DMatrix<f64>> {
     let residuals = |v: &[f64]| problem.prediction_errors(&fit.effects, v);
-    let all = covariance(&residuals, problem.channels(), &problem.coordinates(&fit.effects), values, 0)?;
-    let range = problem.noise_range();
-    let noise = all.view((range.start, range.start), (range.len(), range.len()));
-    let told = |v: &[f64]| Told::of(&problem.unpack(&fit.effects, v).disturbance);
+    let coordinates = band_passed(problem, &fit.effects);
+    covariance(&residuals, problem.channels(), &coordinates, &fit.minimum.values, 0)
+}
+
+/// Standard error of ln of the ratio.
+fn error_of_ratio(problem: &Problem<'_>, fit: &Fit, covariance: &DMatrix<f64>) -> f64 {
+    let values = &fit.minimum.values;
+    let told = |v: &[f64]| log_ratio(&problem.unpack(&fit.effects, v).disturbance);
     let at = told(values);
-    let mut slopes: Vec<[f64; 3]> = Vec::new();
-    for i in range {
+    let slope = |i: usize| {
         let h = 1e-4 * values[i];
         let mut moved = values.clone();
         moved[i] += h;
-        let next = told(&moved);
-        slopes.push([
-            (next.log_ratio - at.log_ratio) / h,
-            (next.log_sigma - at.log_sigma) / h,
-            (next.log_pole - at.log_pole) / h,
-        ]);
-    }
-    let error = |which: usize| {
-        let slope = DVector::from_iterator(slopes.len(), slopes.iter().map(|s| s[which]));
-        slope.dot(&(noise * &slope)).max(0.0).sqrt()
+        if h == 0.0 { 0.0 } else { (told(&moved) - at) / h }
     };
-    Some(Told { log_ratio: error(0), log_sigma: error(1), log_pole: error(2) })
+    let slopes = DVector::from_iterator(values.len(), (0..values.len()).map(slope));
+    slopes.dot(&(covariance * &slopes)).max(0.0).sqrt()
 }
 
 /// Standard deviation of the first channel's white noise: that of its innovations, less what the state's uncertainty
@@ -154,32 +229,28 @@ fn sensor_noise(problem: &Problem<'_>, fit: &Fit) -> Option<f64> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_spectrum_is_the_sum_of_its_gust_and_its_background() {
-        let disturbance = Disturbance { intensity: 3.0, slow: 0.8, fast: 6.6, zero: 2.2, angle_noise: 1.0 };
-        let Told { log_sigma, log_pole, .. } = Told::of(&disturbance);
-        let a = log_pole.exp();
-        let gust = 2.0 * a * (2.0 * log_sigma).exp();
-        for omega in [0.1_f64, 0.5, 2.0, 10.0] {
-            let square = omega * omega;
-            let (slow, fast) = (a * a + square, 6.6 * 6.6 + square);
-            let whole = gust / slow + (9.0 - gust) * square / (slow * fast);
-            assert!((whole / disturbance.spectrum(omega) - 1.0).abs() < 1e-12, "{omega}");
-        }
-    }
-
-    #[test]
-    fn the_order_of_the_poles_does_not_matter() {
-        let one = Disturbance { intensity: 3.0, slow: 0.8, fast: 6.6, zero: 2.2, angle_noise: 1.0 };
-        let other = Disturbance { slow: 6.6, fast: 0.8, ..one };
-        let (one, other) = (Told::of(&one), Told::of(&other));
-        assert_eq!((one.log_sigma, one.log_pole), (other.log_sigma, other.log_pole));
-    }
+    const BAND: Disturbance = Disturbance {
+        intensity: 1.0,
+        frequency: 3.8,
+        damping: 1.7,
+        zero: 0.01,
+        angle_noise: 1.0,
+        gust: None,
+    };
 
     #[test]
     fn a_background_has_little_power_at_low_frequencies() {
-        let band = Disturbance { intensity: 1.0, slow: 1.2, fast: 12.0, zero: 0.01, angle_noise: 1.0 };
-        assert!(Told::of(&band).log_ratio < BACKGROUND_RATIO.ln());
-        assert!(Told::of(&Disturbance { zero: 2.2, ..band }).log_ratio > LEAST_RATIO.ln());
+        assert!(log_ratio(&BAND) < BACKGROUND_RATIO.ln());
+        assert!(log_ratio(&Disturbance { zero: 2.2, ..BAND }) > LEAST_RATIO.ln());
+        assert!(log_ratio(&Disturbance { damping: 0.4, ..BAND }) < 0.05_f64.ln());
+    }
+
+    #[test]
+    fn a_gust_adds_the_spectrum_of_its_variance() {
+        let gust = grey_box::Gust { sigma: 0.3, time_constant: 0.8 };
+        let added =
+            |omega: f64| Disturbance { gust: Some(gust), ..BAND }.spectrum(omega) - BAND.spectrum(omega);
+        let power: f64 = (0..200_000).map(|i| added(0.01 * (f64::from(i) + 0.5)) * 0.01).sum();
+        assert!((power / std::f64::consts::PI - 0.09).abs() < 1e-4, "{power}");
     }
 }

@@ -1,6 +1,7 @@
 //! Before and after: what the extended model gains on the sections that were fitted on and on those held out.
 
 use super::answer::ModelAnswer;
+use super::beginning;
 use super::free_run::{
     judged, judged_channel, refit_for_simulation, simulate, starting_points, vaf_by_place,
 };
@@ -92,7 +93,7 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
     let residuals = |values: &[f64]| problem.prediction_errors(&fit.effects, values);
     let lag = (CORRELATION_S / problem.sizes.step).ceil() as usize;
     let found = covariance(&residuals, problem.channels(), &coordinates, &fit.minimum.values, lag);
-    coordinates
+    let mut all: Vec<Estimate> = coordinates
         .iter()
         .zip(&fit.minimum.values)
         .enumerate()
@@ -100,7 +101,13 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
             let deviation = found.as_ref().map_or(f64::INFINITY, |cov| cov[(i, i)].max(0.0).sqrt());
             Estimate::new(&c.name, &c.unit, value, deviation, c.bounds)
         })
-        .collect()
+        .collect();
+    for (i, effect) in fit.effects.iter().enumerate() {
+        if let (Some(own), Some(ci95)) = (effect.begins_at(), beginning::interval(problem, fit, i)) {
+            all[fit.own_range(problem, i).start + own].ci95 = ci95;
+        }
+    }
+    all
 }
 
 /// 2 log likelihood of the one-step prediction that the extended model gains over the baseline on the held-out

@@ -7,7 +7,7 @@ use super::effects::{Effect, Locus};
 use super::goodness::{Departure, Goodness, goodness};
 use super::gust::{Gust, gust};
 use super::held_out::Split;
-use super::judge::{Judged, held_out_gain};
+use super::judge::{self, Judged, held_out_gain};
 use super::problem::Problem;
 use super::rank::{DETECTION, Finding, Selection, odds, without};
 use super::search::Fit;
@@ -73,9 +73,11 @@ impl<'p, 'd> Judgement<'p, 'd> {
     pub fn new(problem: &'p Problem<'d>, split: &'p Split, selection: Selection) -> Self {
         let mut refused = Vec::new();
         let mut selection = confirmed(problem, split, selection, &mut refused);
+        leave_gusts(problem, &mut selection);
         let unlisted = unlisted(problem, split, &mut selection);
         let Selection { baseline, extended, mut findings } = selection;
         leave_mending(&mut findings);
+        leave_stamping(problem, &extended, &mut findings);
         let likelihood_gain = held_out_gain(problem, split, &baseline, &extended);
         let goodness = goodness(problem, &extended);
         let departure = goodness
@@ -83,7 +85,10 @@ impl<'p, 'd> Judgement<'p, 'd> {
             .and_then(Goodness::departure)
             .or_else(|| one_curve(&findings))
             .or_else(|| another_elsewhere(problem, split, &baseline, &extended));
-        let gust = gust(problem, &extended).filter(|_| departure.is_none());
+        let gust = gust(problem, &extended);
+        let uneven = || gust.as_ref().and(goodness.as_ref()).and_then(Goodness::unevenness);
+        let departure = departure.or_else(uneven);
+        let gust = gust.filter(|_| departure.is_none());
         let baseline = Judged::new(problem, split, baseline);
         let extended = Judged::new(problem, split, extended);
         let corrected = extended.held_out_vaf(split) >= baseline.held_out_vaf(split) - COST_POINTS;
@@ -148,6 +153,18 @@ impl<'p, 'd> Judgement<'p, 'd> {
     }
 }
 
+/// Takes out effects that follow a gust by chance: they are not needed once the noise model has it.
+fn leave_gusts(problem: &Problem<'_>, selection: &mut Selection) {
+    while !selection.findings.is_empty()
+        && let Some(place) = gust(problem, &selection.extended).and_then(|g| g.makes_needless(problem))
+        && let Some(less) = without(problem, &selection.extended, place)
+    {
+        let id = selection.extended.effects[place].about().id;
+        selection.findings.retain(|finding| finding.effect.about().id != id);
+        selection.extended = if selection.findings.is_empty() { selection.baseline.clone() } else { less };
+    }
+}
+
 /// Takes out of the list, not of the model, what is small beside a finding at the same place in the loop: it mends that
 /// one's idealised equation, and is no physics of its own.
 fn leave_mending(findings: &mut Vec<Finding>) {
@@ -156,6 +173,18 @@ fn leave_mending(findings: &mut Vec<Finding>) {
         strong.iter().any(|(locus, bic)| *locus == f.effect.about().locus && f.delta_bic < MENDING * bic)
     };
     findings.retain(|f| !mends(f));
+}
+
+/// Takes out of the list, not of the model, a delay of at most half a sample beside clocks that drift: a log that holds the
+/// latest command shows it half a sample late in the mean.
+fn leave_stamping(problem: &Problem<'_>, extended: &Fit, findings: &mut Vec<Finding>) {
+    let drifts = findings.iter().any(|f| f.effect.about().id == "clock_skew");
+    let Some(place) = extended.range_of(problem, "extra_delay").filter(|_| drifts) else { return };
+    let delay = &judge::estimates(problem, extended)[place.start];
+    let three_errors = 0.75 * (delay.ci95[1] - delay.ci95[0]);
+    if delay.value.abs() - three_errors <= 0.5 * problem.sizes.step {
+        findings.retain(|f| f.effect.about().id != "extra_delay");
+    }
 }
 
 /// Two effects of one variable at one place stand for a single curve that neither of them is.

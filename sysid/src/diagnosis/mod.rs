@@ -4,6 +4,7 @@ mod account;
 pub mod anonymous;
 pub mod answer;
 pub mod baseline;
+pub mod beginning;
 pub mod consistency;
 mod diagnose;
 pub mod dull;

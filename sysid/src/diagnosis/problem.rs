@@ -49,6 +49,8 @@ const MOUNT_MODE_PRIOR: f64 = 0.4;
 const MOUNT_MODE_RANGE: [f64; 2] = [0.5, 2.2];
 /// Damping ratios that an elastomer mount has.
 const MOUNT_DAMPING_RANGE: [f64; 2] = [0.03, 1.0];
+/// Least damping ratio of the disturbance's poles: narrower it is a line, and no turbulence.
+const LEAST_DAMPING: f64 = 0.2;
 /// Standard deviation of the prior on ln(damping ratio of the mount).
 const MOUNT_DAMPING_PRIOR: f64 = 0.7;
 
@@ -150,8 +152,8 @@ impl<'a> Problem<'a> {
         let unit = self.intensity_unit();
         let mut all = vec![
             coordinate("disturbance_intensity", "1", [1e-4 * unit, 1e5 * unit], true, 1.0),
-            coordinate("disturbance_slow", "rad/s", [0.03, 60.0 * faster], true, 1.0),
-            coordinate("disturbance_fast", "rad/s", [0.03, 60.0 * faster], true, 1.0),
+            coordinate("disturbance_frequency", "rad/s", [0.1, 60.0 * faster], true, 1.0),
+            coordinate("disturbance_damping", "1", [LEAST_DAMPING, 30.0 * faster.sqrt()], true, 1.0),
             coordinate("disturbance_zero", "rad/s", [0.01, 100.0 * faster], true, 1.0),
         ];
         if self.channels() == 2 {
@@ -171,18 +173,23 @@ impl<'a> Problem<'a> {
     /// Noise parameters to begin with, for a disturbance `share` times as strong as one that moves the signal within a
     /// second by about the sensor's noise.
     pub fn noise_start(&self, share: f64) -> Vec<f64> {
-        let faster = (0.02 / self.sizes.step).max(1.0);
-        let mut start = vec![share * self.intensity_unit(), 0.5, 10.0 * faster.sqrt(), 1.0];
+        let faster = (0.02 / self.sizes.step).max(1.0).sqrt().sqrt();
+        let mut start = vec![share * self.intensity_unit(), 2.2 * faster, 2.3 * faster, 1.0];
         if self.channels() == 2 {
             start.push(0.3 * self.sizes.theta / self.sizes.q);
         }
         start
     }
 
-    /// Poles and zero (slow, fast, zero) of a disturbance without slow parts to begin with, rad/s.
+    /// Frequency, damping and zero of a disturbance without slow parts to begin with, rad/s, 1, rad/s.
     pub fn band_pass(&self) -> [f64; 3] {
-        let faster = (0.02 / self.sizes.step).max(1.0);
-        [1.2, 12.0 * faster.sqrt(), 0.03]
+        let faster = (0.02 / self.sizes.step).max(1.0).sqrt().sqrt();
+        [3.8 * faster, 1.7 * faster, 0.03]
+    }
+
+    /// The same for a disturbance that resonates.
+    pub fn resonance(&self) -> [f64; 3] {
+        [4.0, 0.5, 0.03]
     }
 
     /// Values of the plant's unknowns in the baseline.
@@ -212,14 +219,21 @@ impl<'a> Problem<'a> {
         if let Some(mount) = &mut plant.mount {
             *mount = Mount::from_mode(next(), next(), mount.inertia);
         }
-        let mut disturbance =
-            Disturbance { intensity: next(), slow: next(), fast: next(), zero: next(), angle_noise: 1.0 };
+        let mut disturbance = Disturbance {
+            intensity: next(),
+            frequency: next(),
+            damping: next(),
+            zero: next(),
+            angle_noise: 1.0,
+            gust: None,
+        };
         if self.channels() == 2 {
             disturbance.angle_noise = next();
         }
         let mut terms = self.baseline.terms.clone();
         for &effect in effects {
-            let values = effect.parameters(&self.sizes).iter().map(|_| next()).collect();
+            let values: Vec<f64> = effect.parameters(&self.sizes).iter().map(|_| next()).collect();
+            disturbance.gust = disturbance.gust.or_else(|| effect.gust(&values));
             terms.push(Term { effect, values });
         }
         Unpacked { plant, disturbance, terms }

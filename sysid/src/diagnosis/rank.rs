@@ -12,7 +12,7 @@ pub const DETECTION: f64 = 10.0;
 /// A further effect beside one that was found needs more: the first one's equation is idealised, and small terms mend it.
 const FURTHER: f64 = 14.0;
 /// An effect stays when taking it out raises the BIC by more than this.
-const RETENTION: f64 = 6.0;
+pub const RETENTION: f64 = 6.0;
 /// Candidates from whose values the baseline is fitted again.
 const BASELINE_STARTS: usize = 3;
 /// Most effects that one diagnosis adds.

@@ -1,5 +1,6 @@
 //! Maximum likelihood for one set of effects: the innovations form with coloured disturbance, from several starts.
 
+use super::beginning::best_moment;
 use super::effects::Effect;
 use super::problem::Problem;
 use crate::identify::chord::{Chord, Descent};
@@ -65,6 +66,8 @@ const STRENGTHS: [f64; 5] = [0.03, 0.3, 3.0, 30.0, 300.0];
 const LOW_GAIN: f64 = 0.03;
 /// Candidates whose sketch ends this far above the best in BIC are not fitted to the end.
 const HOPELESS: f64 = 60.0;
+/// A better moment to begin at is looked for where BIC lies at most this far above the best: it gains less than that.
+const NEAR_MOMENT: f64 = 30.0;
 /// Steps that every start is followed.
 const CHORD_STEPS: usize = 8;
 /// A candidate that has settled with less gain in BIC than this is not needed, whatever else is.
@@ -82,7 +85,10 @@ const IDLE: f64 = 0.5;
 /// Prospects that are fitted whatever they look like: the baseline is fitted again from where they end.
 const ALWAYS_FITTED: usize = 3;
 const SKETCH: Effort = Effort { iterations: 5, tolerance: 0.5 };
-const FINISH: Effort = Effort { iterations: 40, tolerance: 0.02 };
+/// From a start that the chord does not lead away from, the noise model has far to go.
+const LONG_SKETCH: Effort = Effort { iterations: 15, tolerance: 0.5 };
+/// A fit to the end.
+pub const FINISH: Effort = Effort { iterations: 40, tolerance: 0.02 };
 
 /// Fits the baseline: a few iterations from every disturbance strength, then the best to the end.
 pub fn fit_baseline(problem: &Problem<'_>) -> Option<Fit> {
@@ -110,7 +116,10 @@ pub fn settled(problem: &Problem<'_>, fit: Fit) -> Fit {
 pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Fit> {
     let sketches: Vec<Fit> = worth_fitting(prospects(problem, before, candidates))
         .par_iter()
-        .filter_map(|prospect| sketch(problem, &prospect.effects, &prospect.values))
+        .filter_map(|prospect| {
+            let effort = if prospect.settled() { SKETCH } else { LONG_SKETCH };
+            fit(problem, &prospect.effects, &prospect.values, effort)
+        })
         .collect();
     let mut best: Vec<Fit> = Vec::new();
     for fit in sketches {
@@ -128,6 +137,9 @@ pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static 
     let mut fits: Vec<Fit> =
         best.par_iter().filter_map(|fit| refit(problem, &fit.effects, &fit.minimum.values)).collect();
     fits.retain(within);
+    let lowest = fits.iter().map(|fit| fit.bic(problem)).fold(before.bic(problem), f64::min);
+    let near = |fit: &Fit| fit.bic(problem) < lowest + NEAR_MOMENT;
+    fits = fits.into_iter().map(|fit| if near(&fit) { best_moment(problem, fit) } else { fit }).collect();
     fits.sort_by(|a, b| a.bic(problem).total_cmp(&b.bic(problem)));
     fits
 }
@@ -217,8 +229,8 @@ fn worth_fitting(mut all: Vec<Prospect>) -> Vec<Prospect> {
     kept
 }
 
-/// Each candidate's best start after one step, and the next best where that does nothing, the unknowns of `before` starting
-/// from `values`, where `chord` was taken.
+/// Each candidate's best start after one step, and the best that does something where that one does nothing, from `values` of
+/// the unknowns of `before`, where `chord` was taken.
 fn best_starts(
     problem: &Problem<'_>,
     before: &Fit,
@@ -232,9 +244,13 @@ fn best_starts(
         let mut ends: Vec<Descent> =
             starts.filter_map(|own| descend(problem, chord, &effects, &[values, &own].concat(), 1)).collect();
         ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        // A threshold that nothing reaches changes nothing: the next best start shows what one that is reached does.
-        let idle = ends.first().is_some_and(|end| (before.criterion() - end.criterion).abs() < IDLE);
-        ends.truncate(if idle { 2 } else { 1 });
+        // A threshold that nothing reaches changes nothing: the best start that does shows what one that is reached does.
+        let idle = |end: &Descent| (before.criterion() - end.criterion).abs() < IDLE;
+        let acting = ends.iter().position(|end| !idle(end)).filter(|&place| place > 0);
+        if let Some(place) = acting {
+            ends.swap(1, place);
+        }
+        ends.truncate(if acting.is_some() { 2 } else { 1 });
         ends.into_iter().map(|end| Prospect::new(problem, before, effects.clone(), end)).collect()
     };
     let all: Vec<Vec<Prospect>> = candidates.par_iter().map(best_start).collect();

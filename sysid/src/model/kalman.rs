@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Solved by the structure-preserving doubling algorithm (Chu, Fan, Lin, 2004): quadratic convergence, a dozen
-//! steps of 7×7 products.
+//! steps of 8×8 products.
 
 use super::grey_box::{State, StateMatrix};
 

@@ -4,7 +4,7 @@
 //! each effect's moment is split into its linear part, which joins the state matrix, and a remainder.
 
 use super::grey_box::{
-    DISTURBANCE, Disturbance, GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU,
+    DISTURBANCE, Disturbance, GUST, GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU,
 };
 use super::kalman::{Channel, steady_gain};
 use super::shift::Shift;
@@ -206,10 +206,17 @@ impl<'a> PitchModel<'a> {
 
     fn steady(&self, disturbance: &Disturbance, run: &Run) -> Option<Vec<State>> {
         let mut over_sample = self.over_sample;
-        let mut drive = State::zeros();
-        drive[DISTURBANCE + 1] = disturbance.intensity * (self.step / 2.0).sqrt();
-        let later = over_sample * drive;
-        let process = drive * drive.transpose() + later * later.transpose();
+        let mut process = StateMatrix::zeros();
+        let mut driven = |state: usize, intensity: f64| {
+            let mut drive = State::zeros();
+            drive[state] = intensity * (self.step / 2.0).sqrt();
+            let later = self.over_sample * drive;
+            process += drive * drive.transpose() + later * later.transpose();
+        };
+        driven(DISTURBANCE + 1, disturbance.intensity);
+        if let Some(gust) = disturbance.gust {
+            driven(GUST, gust.sigma * (2.0 / gust.time_constant).sqrt());
+        }
         let (rate, angle) = self.measured;
         let mut channels = Vec::with_capacity(2);
         if run.rate.is_some() {

@@ -1,11 +1,12 @@
 //! A step of the linear model, as the inner loop of a simulation wants it.
 
-use super::grey_box::{DISTURBANCE, STATES, State, StateMatrix};
+use super::grey_box::{DISTURBANCE, GUST, STATES, State, StateMatrix};
 
 /// A state matrix by columns, the disturbance's block apart: it acts on the plant, the plant never on it.
 pub struct Transition {
     on_plant: [[f64; DISTURBANCE]; STATES],
     on_disturbance: [[f64; 2]; 2],
+    on_gust: f64,
 }
 
 impl Transition {
@@ -16,6 +17,7 @@ impl Transition {
             on_disturbance: core::array::from_fn(|j| {
                 core::array::from_fn(|i| matrix[(DISTURBANCE + i, DISTURBANCE + j)])
             }),
+            on_gust: matrix[(GUST, GUST)],
         }
     }
 
@@ -28,9 +30,18 @@ impl Transition {
             }
         }
         let [a, b] = self.on_disturbance;
-        let (slow, fast) = (x[DISTURBANCE], x[DISTURBANCE + 1]);
+        let (first, second) = (x[DISTURBANCE], x[DISTURBANCE + 1]);
         let [q, q_imu, theta, theta_imu, gyro] = plant;
-        let disturbance = [a[0] * slow + b[0] * fast, a[1] * slow + b[1] * fast];
-        State::from([q, q_imu, theta, theta_imu, gyro, disturbance[0], disturbance[1]])
+        let disturbance = [a[0] * first + b[0] * second, a[1] * first + b[1] * second];
+        State::from([
+            q,
+            q_imu,
+            theta,
+            theta_imu,
+            gyro,
+            disturbance[0],
+            disturbance[1],
+            self.on_gust * x[GUST],
+        ])
     }
 }

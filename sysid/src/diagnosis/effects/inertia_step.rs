@@ -29,7 +29,10 @@ impl Effect for InertiaStep {
         ]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
-        (1..10).map(|i| vec![0.1, 0.1 * f64::from(i) * data.duration]).collect()
+        (1..20).map(|i| vec![0.1, 0.05 * f64::from(i) * data.duration]).collect()
+    }
+    fn begins_at(&self) -> Option<usize> {
+        Some(1)
     }
     fn within_sample(&self) -> bool {
         true

@@ -33,7 +33,7 @@ mod trim_offset;
 use super::baseline::Baseline;
 pub use crate::dataset::Amplitudes;
 use crate::dataset::Dataset;
-use crate::model::grey_box::Plant;
+use crate::model::grey_box::{Gust, Plant};
 use crate::model::pitch::Output;
 
 /// Where in the loop an effect sits.
@@ -126,6 +126,11 @@ pub trait Effect: Sync {
     fn applies(&self, _baseline: &Baseline, _data: &Dataset) -> bool {
         true
     }
+    /// Index of the parameter that is a moment in time from which on the effect acts: the likelihood has many minima over
+    /// it, and kinks.
+    fn begins_at(&self) -> Option<usize> {
+        None
+    }
     /// Number of states of its own (0, 1 or 2).
     fn states(&self) -> usize {
         0
@@ -138,6 +143,10 @@ pub trait Effect: Sync {
     fn plant(&self, _p: &[f64], _plant: &mut Plant) {}
     /// Time constant of a first-order filter between the rate at the IMU and its measurement, s.
     fn gyro_lag(&self, _p: &[f64]) -> Option<f64> {
+        None
+    }
+    /// A random moment for the noise model.
+    fn gust(&self, _p: &[f64]) -> Option<Gust> {
         None
     }
     /// Delay of the input beyond the plant's, s.

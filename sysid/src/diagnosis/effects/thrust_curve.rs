@@ -20,13 +20,13 @@ impl Effect for ThrustCurve {
         vec![Parameter {
             name: "kappa",
             unit: "1/rad",
-            lower: -0.9 / (3.0 * data.u),
+            lower: -0.9 / data.u,
             upper: 5.0 / data.u,
             scale: Scale::Linear(0.1 / data.u),
         }]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
-        [-0.1, 0.3].map(|share| vec![share / data.u]).to_vec()
+        [-0.1, -0.4, 0.3].map(|share| vec![share / data.u]).to_vec()
     }
     fn actuate(&self, p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
         u * (1.0 + p[0] * u.abs())
