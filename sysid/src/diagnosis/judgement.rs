@@ -9,7 +9,7 @@ use super::gust::{Gust, gust};
 use super::held_out::Split;
 use super::judge::{self, Judged, held_out_gain};
 use super::problem::Problem;
-use super::rank::{DETECTION, Finding, Selection, odds, without};
+use super::rank::{DETECTION, Finding, RETENTION, Selection, odds, without};
 use super::search::Fit;
 use super::unlisted::{Leftover, leftover};
 use std::collections::BTreeMap;
@@ -78,6 +78,12 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let Selection { baseline, extended, mut findings } = selection;
         leave_mending(&mut findings);
         leave_stamping(problem, &extended, &mut findings);
+        if unlisted.is_some() {
+            findings.retain(|f| {
+                let place = extended.effects.iter().position(|e| e.about().id == f.effect.about().id);
+                place.is_some_and(|i| !extended.at_bound(problem, i))
+            });
+        }
         let likelihood_gain = held_out_gain(problem, split, &baseline, &extended);
         let goodness = goodness(problem, &extended);
         let departure = goodness
@@ -261,6 +267,18 @@ fn unlisted(problem: &Problem<'_>, split: &Split, selection: &mut Selection) -> 
     if held_out_gain(problem, split, &selection.extended, &found.with) < 0.0 && !found.term.local_in_time {
         return None;
     }
-    selection.extended = found.with.clone();
+    // What the term has taken over is not needed beside it.
+    let mut with = found.with.clone();
+    selection.findings.retain(|finding| {
+        let place = with.effects.iter().position(|e| e.about().id == finding.effect.about().id);
+        match place.and_then(|i| without(problem, &with, i)) {
+            Some(less) if less.bic(problem) - with.bic(problem) < RETENTION => {
+                with = less;
+                false
+            }
+            _ => true,
+        }
+    });
+    selection.extended = with;
     Some(found)
 }

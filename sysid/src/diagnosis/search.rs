@@ -28,17 +28,14 @@ impl Fit {
         self.criterion() + parameters as f64 * (problem.count() as f64).ln()
     }
 
-    /// Whether a parameter of the effect added last stands at a bound of what physics allows: then it stands for
-    /// something else.
-    pub fn last_at_bound(&self, problem: &Problem<'_>) -> bool {
+    /// Whether a parameter of the `i`-th effect stands at a bound of what physics allows: then it stands for something else.
+    pub fn at_bound(&self, problem: &Problem<'_>, i: usize) -> bool {
         let coordinates = problem.coordinates(&self.effects);
-        let own = self.effects.last().map_or(0, |e| e.parameters(&problem.sizes).len());
-        let pairs = coordinates.iter().zip(&self.minimum.values).rev().take(own);
-        let mut near = pairs.map(|(c, &value)| {
-            let hair = 1e-6 * (c.bounds[1] - c.bounds[0]);
-            value - c.bounds[0] < hair || c.bounds[1] - value < hair
-        });
-        near.any(|at_bound| at_bound)
+        self.own_range(problem, i).any(|place| {
+            let (bounds, value) = (coordinates[place].bounds, self.minimum.values[place]);
+            let hair = 1e-6 * (bounds[1] - bounds[0]);
+            value - bounds[0] < hair || bounds[1] - value < hair
+        })
     }
 
     /// Where the parameters of the `i`-th effect stand among all unknowns.
@@ -130,7 +127,7 @@ pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static 
         }
     }
     // A sketch at a bound often lies lowest and is no candidate in the end: it must not outbid the others.
-    let within = |fit: &Fit| !fit.last_at_bound(problem);
+    let within = |fit: &Fit| !fit.at_bound(problem, fit.effects.len() - 1);
     let lowest = best.iter().filter(|f| within(f)).map(|f| f.bic(problem)).fold(f64::INFINITY, f64::min);
     let needed = (before.bic(problem) - NEEDLESS).max(lowest + SAME_PLACE);
     best.retain(|fit| fit.bic(problem) < needed.min(lowest + HOPELESS));
