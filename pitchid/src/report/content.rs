@@ -235,9 +235,9 @@ fn fit_rows(answer: &Answer, traces: &[Trace]) -> Vec<FitRow> {
 
 fn placebo_words(placebo: &PlaceboAnswer) -> String {
     format!(
-        "A placebo of the same size ({} sines of arbitrary frequency in their place): gain in BIC {}, held-out VAF {:+.1} \
-         points, held-out 2 ln likelihood {:+.0}",
-        placebo.parameters,
+        "A placebo of the same size ({} of arbitrary frequency instead): gain in BIC {}, held-out VAF {:+.1} points, \
+         held-out 2 ln likelihood {:+.0}",
+        if placebo.parameters == 1 { "one sine".into() } else { format!("{} sines", placebo.parameters) },
         format::plain(placebo.delta_bic),
         placebo.vaf_gain_points,
         placebo.held_out_log_likelihood_gain,
