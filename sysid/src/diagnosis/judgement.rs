@@ -7,7 +7,7 @@ use super::effects::{Effect, Locus};
 use super::goodness::{Departure, Goodness, goodness};
 use super::gust::{Gust, gust};
 use super::held_out::Split;
-use super::judge::{self, Judged, held_out_gain};
+use super::judge::{Judged, held_out_gain};
 use super::problem::Problem;
 use super::rank::{DETECTION, Finding, RETENTION, Selection, odds, without};
 use super::search::Fit;
@@ -181,14 +181,12 @@ fn leave_mending(findings: &mut Vec<Finding>) {
     findings.retain(|f| !mends(f));
 }
 
-/// Takes out of the list, not of the model, a delay of at most half a sample beside clocks that drift: a log that holds the
-/// latest command shows it half a sample late in the mean.
+/// Takes out of the list, not of the model, a command that is logged up to a sample late beside clocks that drift: the log
+/// holds the latest command, and its stamps wander against those of the motion.
 fn leave_stamping(problem: &Problem<'_>, extended: &Fit, findings: &mut Vec<Finding>) {
     let drifts = findings.iter().any(|f| f.effect.about().id == "clock_skew");
     let Some(place) = extended.range_of(problem, "extra_delay").filter(|_| drifts) else { return };
-    let delay = &judge::estimates(problem, extended)[place.start];
-    let three_errors = 0.75 * (delay.ci95[1] - delay.ci95[0]);
-    if delay.value.abs() - three_errors <= 0.5 * problem.sizes.step {
+    if (-problem.sizes.step..0.0).contains(&extended.minimum.values[place.start]) {
         findings.retain(|f| f.effect.about().id != "extra_delay");
     }
 }
