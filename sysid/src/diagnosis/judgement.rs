@@ -79,10 +79,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
         leave_mending(&mut findings);
         leave_stamping(problem, &extended, &mut findings);
         if unlisted.is_some() {
-            findings.retain(|f| {
-                let place = extended.effects.iter().position(|e| e.about().id == f.effect.about().id);
-                place.is_some_and(|i| !extended.at_bound(problem, i))
-            });
+            let place = |f: &Finding| extended.position(f.effect.about().id);
+            findings.retain(|f| place(f).is_some_and(|i| !extended.at_bound(problem, i)));
         }
         let likelihood_gain = held_out_gain(problem, split, &baseline, &extended);
         let goodness = goodness(problem, &extended);
@@ -232,8 +230,7 @@ fn confirmed(
         let id = weakest.effect.about().id;
         refused.push(id);
         findings.pop();
-        let position = extended.ids().iter().position(|other| *other == id);
-        match position.and_then(|i| without(problem, &extended, i)) {
+        match extended.position(id).and_then(|i| without(problem, &extended, i)) {
             Some(less) => extended = less,
             None => findings.clear(),
         }
@@ -268,7 +265,7 @@ fn unlisted(problem: &Problem<'_>, split: &Split, selection: &mut Selection) -> 
     // What the term has taken over is not needed beside it.
     let mut with = found.with.clone();
     selection.findings.retain(|finding| {
-        let place = with.effects.iter().position(|e| e.about().id == finding.effect.about().id);
+        let place = with.position(finding.effect.about().id);
         match place.and_then(|i| without(problem, &with, i)) {
             Some(less) if less.bic(problem) - with.bic(problem) < RETENTION => {
                 with = less;

@@ -47,8 +47,12 @@ impl Fit {
 
     /// Where the parameters of the effect called `id` stand among all unknowns; `None` where the fit has no such effect.
     pub fn range_of(&self, problem: &Problem<'_>, id: &str) -> Option<core::ops::Range<usize>> {
-        let position = self.effects.iter().position(|effect| effect.about().id == id)?;
-        Some(self.own_range(problem, position))
+        self.position(id).map(|position| self.own_range(problem, position))
+    }
+
+    /// Place of the effect called `id` among the effects.
+    pub fn position(&self, id: &str) -> Option<usize> {
+        self.effects.iter().position(|effect| effect.about().id == id)
     }
 
     /// The ids of the effects.
