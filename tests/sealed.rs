@@ -1,8 +1,9 @@
 //! Sealed recordings of an independent simulator that once were answered wrongly, each for a reason of its own.
 
 use std::path::Path;
+use sysid::catalogue::model_file::read_model;
 use sysid::diagnosis::answer::Verdict;
-use sysid::diagnosis::{baseline::read_model, diagnose};
+use sysid::diagnosis::diagnose;
 use sysid::recording::{ReadOptions, read};
 
 /// What is concealed, and where a search went astray once.

@@ -42,7 +42,7 @@ fn with_resolution(x: f64, resolution: f64) -> String {
 
 /// Three significant digits.
 pub fn plain(x: f64) -> String {
-    sysid::diagnosis::words::digits(x)
+    sysid::estimate::digits(x)
 }
 
 /// A value as it stands in a file of the user's.

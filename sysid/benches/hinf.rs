@@ -6,7 +6,7 @@ use sysid::identify::butterworth::Butterworth;
 use sysid::identify::continuous::{ContinuousStateSpace, to_continuous};
 use sysid::identify::hinf_match::{MountRange, hinf_match};
 use sysid::identify::hinf_norm::hinf_norm;
-use sysid::model::grey_box::{Mount, Plant};
+use sysid::model::plant::{Mount, Plant};
 
 fn main() {
     divan::main();

@@ -7,7 +7,7 @@ use signal::{TwoLevel, uniform};
 use sysid::identify::fir::Piece;
 use sysid::identify::hinf_match::{MountRange, grey_box_response};
 use sysid::identify::output_error::{Noise, Options, fit};
-use sysid::model::grey_box::{Mount, Plant};
+use sysid::model::plant::{Mount, Plant};
 
 fn main() {
     divan::main();

@@ -26,3 +26,16 @@ impl Estimate {
         Self { name: name.into(), unit: unit.into(), value, ci95 }
     }
 }
+
+/// Three significant digits.
+pub fn digits(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return format!("{x}");
+    }
+    let magnitude = x.abs().log10().floor() as i32;
+    if (-4..5).contains(&magnitude) {
+        format!("{x:.*}", usize::try_from(2 - magnitude).unwrap_or(0))
+    } else {
+        format!("{x:.2e}")
+    }
+}

@@ -18,15 +18,19 @@
 //! | whether errors are white, or hold something of the input; response and coherence without a model | [`validate`] |
 //! | what the user's simulation leaves out | [`diagnosis::diagnose`] |
 //!
-//! The symbols are those of [`model::grey_box`]. Every estimate is an [`estimate::Estimate`]: value, unit, interval.
+//! The symbols are those of [`model::plant`]. Every estimate is an [`estimate::Estimate`]: value, unit, interval.
 //! Errors are [`error::Error`]: what was found, where, what to do. Nothing here knows the simulator.
 
+pub mod catalogue;
 pub mod dataset;
 pub mod diagnosis;
 pub mod error;
 pub mod estimate;
+pub mod held_out;
 pub mod identify;
+pub mod likelihood;
 mod linalg;
 pub mod model;
+pub mod optim;
 pub mod recording;
 pub mod validate;

@@ -4,9 +4,9 @@ mod reference;
 
 use reference::campaign;
 use sysid::dataset::{Dataset, Place};
-use sysid::diagnosis::baseline::Baseline;
-use sysid::diagnosis::held_out::Split;
+use sysid::held_out::Split;
 use sysid::identify::compare::{Identification, Settings, identify_on};
+use sysid::model::baseline::Baseline;
 
 /// Learns from section I of each recording, is judged by IV and II of the second.
 fn identified(kind: &str) -> Option<Identification> {

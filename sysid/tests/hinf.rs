@@ -9,7 +9,7 @@ use sysid::identify::butterworth::Butterworth;
 use sysid::identify::continuous::{ContinuousStateSpace, to_continuous};
 use sysid::identify::hinf_match::{MountRange, grey_box_response, hinf_match};
 use sysid::identify::pi_moesp::{Method, identify};
-use sysid::model::grey_box::{Mount, Plant};
+use sysid::model::plant::{Mount, Plant};
 use sysid::validate::vaf::vaf;
 
 /// The plant of the nominal campaign.

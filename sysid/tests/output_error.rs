@@ -14,7 +14,7 @@ use sysid::identify::hinf_match::{MountRange, grey_box_response};
 use sysid::identify::output_error::delay_profile::delay_profile;
 use sysid::identify::output_error::identifiability::identifiability;
 use sysid::identify::output_error::{Noise, Options, Output, OutputErrorFit, fit, simulate};
-use sysid::model::grey_box::{Mount, Plant};
+use sysid::model::plant::{Mount, Plant};
 use sysid::validate::vaf::vaf;
 
 /// The plant of the nominal campaign.

@@ -1,10 +1,11 @@
 //! The sampled pitch model against closed forms, and its parameters found again.
 
+use sysid::catalogue::find;
 use sysid::dataset::{Amplitudes, Run};
-use sysid::diagnosis::effects::find;
-use sysid::identify::levenberg_marquardt::{Coordinate, Effort, covariance, minimize};
-use sysid::model::grey_box::{Disturbance, Plant};
+use sysid::model::noise::Disturbance;
 use sysid::model::pitch::{PitchModel, Term};
+use sysid::model::plant::Plant;
+use sysid::optim::levenberg_marquardt::{Coordinate, Effort, covariance, minimize};
 
 const STEP: f64 = 0.02;
 const PLANT: Plant = Plant { inertia: 0.1705, dm_dq: -0.27, dm_du: 23.0, delay: 0.05, mount: None };

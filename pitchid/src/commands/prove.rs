@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use judge::{Outcome, judge};
 use rayon::prelude::*;
 use std::path::PathBuf;
-use sysid::diagnosis::baseline::read_model;
+use sysid::catalogue::model_file::read_model;
 use sysid::diagnosis::{Diagnosis, diagnose};
 use sysid::recording::{ReadOptions, read};
 use truth::{Beside, Said, Sparse};

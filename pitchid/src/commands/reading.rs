@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use sysid::diagnosis::baseline::read_model;
+use sysid::catalogue::model_file::read_model;
 use sysid::model::file::ModelFile;
 use sysid::recording::{ColumnMap, InputHold, ReadOptions, Recording, SectionSpec, read};
 

@@ -8,7 +8,7 @@ use host_sim::effects::{Entry, Parameter};
 use host_sim::{Background, CATALOGUE, Flight, Mount, OUTSIDE, Plant, Scenario, Setting, UNTOUCHED, fly};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use sysid::diagnosis::baseline::read_model;
+use sysid::catalogue::model_file::read_model;
 use sysid::model::file::{EffectEntry, ModelFile};
 
 /// Flies a whole test (PRBS sections I to III, closed loop IV) on a simulated vehicle and writes the recording
@@ -221,13 +221,13 @@ fn told(arguments: &Arguments, flight: &Flight) -> String {
 mod tests {
     use super::*;
     use host_sim::sensors::Noise;
+    use sysid::catalogue::scaled_shape;
     use sysid::dataset::Amplitudes;
-    use sysid::diagnosis::baseline::Baseline;
-    use sysid::diagnosis::effects::Effect;
-    use sysid::diagnosis::free_run::vaf_by_place;
-    use sysid::diagnosis::held_out::Split;
-    use sysid::diagnosis::problem::Problem;
-    use sysid::diagnosis::scaled;
+    use sysid::held_out::Split;
+    use sysid::likelihood::free_run::vaf_by_place;
+    use sysid::likelihood::problem::Problem;
+    use sysid::model::baseline::Baseline;
+    use sysid::model::effect::Effect;
 
     const ANY: Amplitudes = Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 1.0 };
 
@@ -279,14 +279,14 @@ mod tests {
             "[plant]\ninertia_kg_m2 = 0.1705\ndelay_s = 0.06\ndM_dq_N_m_s = -0.27\ndM_du_N_m = 23.0\n";
         let scales =
             [("scale_q_rad_s", 0.4), ("scale_theta_rad", 0.15), ("scale_u", 0.01), ("duration_s", 100.0)];
-        for scaled in scaled::all() {
+        for scaled in scaled_shape::all() {
             let shape = scaled.about().id;
             let mut model = sysid::model::file::parse("m.toml", nominal, &[]).unwrap();
             let bare = model.clone();
             let size = |name: &str| scales.iter().find(|(scale, _)| *scale == name).map_or(-0.02, |s| s.1);
             let parameters =
                 scaled.parameters(&ANY).iter().map(|p| (p.name.to_owned(), size(p.name))).collect();
-            let (id, shape_of) = (scaled::UNLISTED.to_owned(), Some(shape.to_owned()));
+            let (id, shape_of) = (scaled_shape::UNLISTED.to_owned(), Some(shape.to_owned()));
             model.effects.push(EffectEntry { id, shape: shape_of, parameters, remark: None });
             let mut scenario = Scenario::campaign(4, 0.015, 3).unwrap();
             scenario.background = Background::None;

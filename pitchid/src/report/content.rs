@@ -2,11 +2,11 @@
 
 use crate::format::{self, Shown};
 use serde::Serialize;
+use sysid::catalogue;
+use sysid::catalogue::scaled_shape::UNLISTED;
 use sysid::diagnosis::answer::{Answer, EffectAnswer, PlaceboAnswer, Verdict};
-use sysid::diagnosis::dull::{self, DullCause, State};
-use sysid::diagnosis::effects;
-use sysid::diagnosis::judge::Trace;
-use sysid::diagnosis::scaled::UNLISTED;
+use sysid::diagnosis::data_checks::{self, DullCause, State};
+use sysid::diagnosis::evaluation::Trace;
 use sysid::estimate::Estimate;
 use sysid::model::file::ModelFile;
 
@@ -134,7 +134,7 @@ impl Content {
             recordings,
             model: model.map(|(name, _)| name.to_owned()),
             verdict: match answer.verdict {
-                Verdict::Unlisted if dull::stop(&answer.dull_causes) => "the data first",
+                Verdict::Unlisted if data_checks::stop(&answer.dull_causes) => "the data first",
                 other => verdict(other),
             },
             headline: headline(answer),
@@ -175,7 +175,9 @@ fn headline(answer: &Answer) -> String {
     match answer.verdict {
         Verdict::NoMismatch => "Nothing is missing that these data would show".into(),
         Verdict::NotExcited => "These data cannot tell".into(),
-        Verdict::Unlisted if dull::stop(&answer.dull_causes) => "The data are to be put right first".into(),
+        Verdict::Unlisted if data_checks::stop(&answer.dull_causes) => {
+            "The data are to be put right first".into()
+        }
         Verdict::Unlisted => "Something is missing that the catalogue does not list".into(),
         Verdict::Named => capitalised(&sentences.join("; and ")),
         Verdict::Ambiguous => {
@@ -192,7 +194,7 @@ fn capitalised(text: &str) -> String {
 }
 
 fn sentence(id: &str) -> String {
-    effects::find(id)
+    catalogue::find(id)
         .map_or_else(|| "something that the catalogue does not list".into(), |e| e.about().sentence.into())
 }
 

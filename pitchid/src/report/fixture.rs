@@ -5,9 +5,9 @@ use sysid::diagnosis::answer::{
     Alternative, Answer, Dependence, EffectAnswer, Evidence, FitAnswer, Location, ModelAnswer,
     NextExperiment, PlaceboAnswer, Verdict,
 };
-use sysid::diagnosis::dull::{DullCause, Gravity};
-use sysid::diagnosis::effects::Locus;
+use sysid::diagnosis::data_checks::{DullCause, Gravity};
 use sysid::estimate::Estimate;
+use sysid::model::effect::Locus;
 
 /// What a malicious file might hold.
 pub const HOSTILE: &str = "</script><script>alert('x')</script>&\"";

@@ -13,7 +13,7 @@ use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
 use sysid::diagnosis::answer::{Answer, Dependence};
-use sysid::diagnosis::judge::Trace;
+use sysid::diagnosis::evaluation::Trace;
 use sysid::diagnosis::over_time::{OverTime, ResidualMoment};
 use traces::View;
 

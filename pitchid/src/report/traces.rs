@@ -7,7 +7,7 @@ use super::decimate::min_max_rows;
 use crate::failure::Failure;
 use plotters::prelude::*;
 use std::ops::Range;
-use sysid::diagnosis::judge::Trace;
+use sysid::diagnosis::evaluation::Trace;
 
 /// Points of each curve in the large picture.
 const POINTS_LARGE: usize = 2000;

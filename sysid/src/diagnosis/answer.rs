@@ -1,8 +1,8 @@
 //! The answer of a diagnosis, as it stands in JSON (`pitchid.diagnosis/1`).
 
-use super::dull::DullCause;
-use super::effects::Locus;
+use super::data_checks::DullCause;
 use crate::estimate::Estimate;
+use crate::model::effect::Locus;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -11,12 +11,12 @@
 //!
 //! v is widened where the scores are correlated or uneven (Newey and West, 1987).
 
-use super::held_out::Split;
-use super::locate::weights;
-use super::problem::Problem;
-use super::search::Fit;
-use super::words::digits;
-use crate::identify::chord::Chord;
+use crate::estimate::digits;
+use crate::held_out::Split;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::fit::weights;
+use crate::likelihood::problem::Problem;
+use crate::optim::chord::Chord;
 use nalgebra::{DMatrix, DVector};
 
 /// Scores may be correlated over this time, s.

@@ -1,18 +1,18 @@
 //! The whole diagnosis: recordings and a baseline in, an answer out.
 
-use super::account::{account, ceilings};
 use super::answer::{Answer, FitAnswer, Location, Verdict};
-use super::baseline::Baseline;
-use super::dull::{self, DullCause};
+use super::building::{account, ceilings};
+use super::data_checks::{self, DullCause};
+use super::evaluation::{Judged, Trace, traces};
 use super::excitation;
-use super::held_out::Split;
-use super::judge::{Judged, Trace, labels, traces};
-use super::judgement::Judgement;
 use super::over_time::OverTime;
-use super::problem::Problem;
-use super::rank::select;
+use super::selection::select;
+use super::verdict::Judgement;
 use crate::dataset::Dataset;
 use crate::error::{Error, ErrorKind};
+use crate::held_out::{Split, labels};
+use crate::likelihood::problem::Problem;
+use crate::model::baseline::Baseline;
 use crate::model::file::ModelFile;
 use crate::recording::Recording;
 
@@ -47,18 +47,18 @@ pub fn diagnose(
     let problem = Problem::new(&data, &baseline, &split.held_out);
     let notes = data.notes(recordings);
     let dm_du = model.and_then(|m| m.plant.dm_du);
-    let mut causes = dull::of_recordings(recordings, &data, dm_du);
+    let mut causes = data_checks::of_recordings(recordings, &data, dm_du);
     let told = |mut diagnosis: Diagnosis, causes: Vec<DullCause>| {
-        dull::tell(&mut diagnosis.answer, causes);
+        data_checks::tell(&mut diagnosis.answer, causes);
         Ok(diagnosis)
     };
     if let Some(reason) = excitation::too_little(&problem, &split) {
-        causes.extend(dull::without_fit("too little to ask"));
+        causes.extend(data_checks::without_fit("too little to ask"));
         return told(not_excited(&problem, &split, reason, notes), causes);
     }
-    if dull::stop(&causes) {
-        causes.extend(dull::without_fit("not asked before the others are put right"));
-        let location = dull::everywhere(&causes, &data);
+    if data_checks::stop(&causes) {
+        causes.extend(data_checks::without_fit("not asked before the others are put right"));
+        let location = data_checks::everywhere(&causes, &data);
         return told(put_right_first(&problem, &split, None, location, notes), causes);
     }
     let selection = select(&problem, progress).ok_or_else(|| {
@@ -69,13 +69,13 @@ pub fn diagnose(
         )
     })?;
     if let Some(reason) = excitation::too_weak(&problem, &split, &selection.baseline) {
-        causes.extend(dull::without_fit("too weak to ask"));
+        causes.extend(data_checks::without_fit("too weak to ask"));
         return told(not_excited(&problem, &split, reason, notes), causes);
     }
     progress("ruling out dull causes");
-    causes.extend(dull::of_fit(recordings, &problem, &split, &selection, dm_du));
-    if dull::stop(&causes) {
-        let location = dull::everywhere(&causes, &data);
+    causes.extend(data_checks::of_fit(recordings, &problem, &split, &selection, dm_du));
+    if data_checks::stop(&causes) {
+        let location = data_checks::everywhere(&causes, &data);
         let baseline = Judged::new(&problem, &split, selection.baseline);
         return told(put_right_first(&problem, &split, Some(&baseline), location, notes), causes);
     }

@@ -1,11 +1,11 @@
 //! Whether the data can answer at all: long enough, moved by the input, above the noise.
 
-use super::free_run::judged;
-use super::held_out::Split;
-use super::judge::estimates;
-use super::problem::Problem;
-use super::search::Fit;
+use super::evaluation::estimates;
+use crate::held_out::Split;
 use crate::identify::fir::ceiling_vaf;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::free_run::judged;
+use crate::likelihood::problem::Problem;
 
 /// Shortest time that a diagnosis can be made on, s: a handful of switches of the slowest campaign.
 const SHORTEST_S: f64 = 4.0;

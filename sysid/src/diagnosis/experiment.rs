@@ -4,11 +4,11 @@
 //! What its innovations keep, weighed with the innovations' covariance, is the expected likelihood ratio.
 
 use super::answer::NextExperiment;
-use super::locate::weights;
-use super::problem::Problem;
-use super::search::Fit;
-use super::words::digits;
 use crate::dataset::Run;
+use crate::estimate::digits;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::fit::weights;
+use crate::likelihood::problem::Problem;
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use rand::SeedableRng;
@@ -181,8 +181,8 @@ fn expected_ratio(problem: &Problem<'_>, a: &Fit, b: &Fit, run: &Run) -> Option<
 mod tests {
     use super::*;
     use crate::dataset::Dataset;
-    use crate::diagnosis::baseline::Baseline;
-    use crate::diagnosis::search::fit_baseline;
+    use crate::likelihood::fit::fit_baseline;
+    use crate::model::baseline::Baseline;
 
     /// 30 s of a rigid plant, q' = −2 q + 100 u, flown by a PRBS, with a little noise.
     fn recording() -> crate::recording::Recording {

@@ -1,8 +1,8 @@
 //! Whether what a model leaves is noise: a spectral line in it, bursts of it, tails heavier than Gaussian.
 
-use super::problem::Problem;
-use super::search::Fit;
-use super::words::digits;
+use crate::estimate::digits;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::problem::Problem;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Length of the windows whose power is compared, s.

@@ -4,13 +4,16 @@
 //! frequencies. Both are fitted side by side, and it is a gust if the likelihood needs it beside a band-passed background,
 //! or if both moments together have more power at low frequencies than any background has.
 
-use super::effects::{About, Amplitudes, Effect, Parameter, Scale, gust_disturbance::GustDisturbance};
-use super::problem::Problem;
-use super::rank::{DETECTION, RETENTION, odds, without};
-use super::search::{FINISH, Fit, refit};
+use super::selection::{DETECTION, RETENTION, odds, without};
+use crate::catalogue::gust_disturbance::GustDisturbance;
+use crate::dataset::Amplitudes;
 use crate::estimate::Estimate;
-use crate::identify::levenberg_marquardt::{Coordinate, covariance, minimize};
-use crate::model::grey_box::{self, Disturbance};
+use crate::likelihood::fit::{FINISH, Fit, refit};
+use crate::likelihood::problem::Problem;
+use crate::model::effect::{About, Effect, Parameter, Scale};
+use crate::model::noise;
+use crate::model::noise::Disturbance;
+use crate::optim::levenberg_marquardt::{Coordinate, covariance, minimize};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -79,8 +82,8 @@ impl Effect for SecondMoment {
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
         Vec::new()
     }
-    fn gust(&self, p: &[f64]) -> Option<grey_box::Gust> {
-        Some(grey_box::Gust { sigma: p[0], time_constant: p[1] })
+    fn gust(&self, p: &[f64]) -> Option<noise::Gust> {
+        Some(noise::Gust { sigma: p[0], time_constant: p[1] })
     }
 }
 
@@ -247,7 +250,7 @@ mod tests {
 
     #[test]
     fn a_gust_adds_the_spectrum_of_its_variance() {
-        let gust = grey_box::Gust { sigma: 0.3, time_constant: 0.8 };
+        let gust = noise::Gust { sigma: 0.3, time_constant: 0.8 };
         let added =
             |omega: f64| Disturbance { gust: Some(gust), ..BAND }.spectrum(omega) - BAND.spectrum(omega);
         let power: f64 = (0..200_000).map(|i| added(0.01 * (f64::from(i) + 0.5)) * 0.01).sum();

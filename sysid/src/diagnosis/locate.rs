@@ -1,10 +1,11 @@
 //! Where the mismatch is: in which time, in which band, and on which variable the residual moment depends.
 
 use super::answer::Dependence;
-use super::free_run::{judged_channel, simulate, starting_points};
-use super::problem::Problem;
-use super::search::Fit;
 use crate::dataset::Place;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::fit::weights;
+use crate::likelihood::free_run::{judged_channel, simulate, starting_points};
+use crate::likelihood::problem::Problem;
 use nalgebra::Matrix2;
 
 /// Classes into which a variable is cut for its dependence.
@@ -69,19 +70,6 @@ fn gain_by_sample(baseline: &Fit, extended: &Fit) -> Vec<f64> {
     };
     let pairs = baseline.minimum.residuals.iter().zip(&extended.minimum.residuals);
     pairs.map(|(x, y)| offset + square(&a.0, x) - square(&b.0, y)).collect()
-}
-
-/// Inverse covariance of residuals and the logarithm of its determinant; a dead second channel is left out.
-pub fn weights(residuals: &[[f64; 2]]) -> (Matrix2<f64>, f64) {
-    let n = residuals.len().max(1) as f64;
-    let mut s = Matrix2::zeros();
-    for e in residuals {
-        s += Matrix2::new(e[0] * e[0], e[0] * e[1], e[0] * e[1], e[1] * e[1]) / n;
-    }
-    match s.try_inverse() {
-        Some(inverse) if s[(1, 1)] > 0.0 => (inverse, s.determinant().ln()),
-        _ => (Matrix2::new(1.0 / s[(0, 0)], 0.0, 0.0, 0.0), s[(0, 0)].ln()),
-    }
 }
 
 /// Band [low, high] in rad/s that holds the middle 80 % of the power by which two fits' free runs differ.

@@ -1,30 +1,23 @@
 //! Missing physics: located, named, modelled, and shown to pay.
 
-mod account;
-pub mod anonymous;
 pub mod answer;
-pub mod baseline;
-pub mod beginning;
+mod building;
+pub mod change_point;
 pub mod consistency;
+pub mod data_checks;
+pub mod describe;
 mod diagnose;
-pub mod dull;
-pub mod effects;
+pub mod evaluation;
 mod excitation;
 mod experiment;
-pub mod free_run;
 pub mod goodness;
 pub mod gust;
-pub mod held_out;
-pub mod judge;
-mod judgement;
 pub mod locate;
 pub mod over_time;
 mod placebo;
-pub mod problem;
-pub mod rank;
-pub mod scaled;
-pub mod search;
-pub mod unlisted;
-pub mod words;
+pub mod remainder;
+mod search;
+pub mod selection;
+mod verdict;
 
 pub use diagnose::{Diagnosis, diagnose};

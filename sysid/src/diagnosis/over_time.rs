@@ -1,7 +1,7 @@
 //! The residual moment over time, before and after: for effects that live in a window of time or begin at a moment.
 
-use super::problem::Problem;
-use super::search::Fit;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::problem::Problem;
 
 /// What a diagnosis shows over time.
 #[derive(Clone, Debug, Default)]

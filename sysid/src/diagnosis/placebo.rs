@@ -7,9 +7,10 @@
 //! Fitted and judged like the effects, with as many coefficients c_i as they have parameters. What it gains is what any
 //! term of that size gains.
 
-use super::effects::{About, Amplitudes, Conditions, Effect, Locus, Parameter, Scale};
-use super::problem::Problem;
-use super::search::{Fit, refit};
+use crate::dataset::Amplitudes;
+use crate::likelihood::fit::{Fit, refit};
+use crate::likelihood::problem::Problem;
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
 use core::f64::consts::TAU;
 
 const NAMES: [&str; 12] = ["c1", "c2", "c3", "c4", "c5", "c6", "c7", "c8", "c9", "c10", "c11", "c12"];

@@ -15,7 +15,7 @@ use super::linear_model::LinearModel;
 use super::output_error::colour::autoregression;
 use super::pi_moesp::{Method, identify};
 use crate::error::{Error, ErrorKind};
-use crate::model::grey_box::Plant;
+use crate::model::plant::Plant;
 use crate::model::state_space::StateSpace;
 use nalgebra::Complex;
 use rand::{RngExt, SeedableRng};

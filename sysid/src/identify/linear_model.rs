@@ -2,7 +2,7 @@
 
 use super::fir::{Fir, Piece};
 use super::output_error::{self, Options};
-use crate::model::grey_box::Plant;
+use crate::model::plant::Plant;
 use crate::model::sampled::SampledPlant;
 use crate::model::state_space::StateSpace;
 use nalgebra::{Complex, Matrix4};
@@ -89,7 +89,7 @@ fn sampled_response(plant: &Plant, options: &Options, omega: f64, step: f64) -> 
 mod tests {
     use super::*;
     use crate::identify::hinf_match::grey_box_response;
-    use crate::model::grey_box::Mount;
+    use crate::model::plant::Mount;
 
     #[test]
     fn the_grey_box_responds_as_its_transfer_function_sampled() {

@@ -3,7 +3,6 @@
 pub mod block_hankel;
 pub mod bootstrap;
 pub mod butterworth;
-pub mod chord;
 pub mod compare;
 pub mod continuous;
 pub mod cross_validation;
@@ -12,9 +11,7 @@ pub mod hinf_match;
 pub mod hinf_norm;
 mod input_fit;
 pub mod kung;
-pub mod levenberg_marquardt;
 pub mod linear_model;
 pub mod lms;
-mod minimax;
 pub mod output_error;
 pub mod pi_moesp;

@@ -7,7 +7,7 @@
 //! Solved by the structure-preserving doubling algorithm (Chu, Fan, Lin, 2004): quadratic convergence, a dozen
 //! steps of 8×8 products.
 
-use super::grey_box::{State, StateMatrix};
+use crate::model::plant::{State, StateMatrix};
 
 /// One measured channel: the state it reads and the variance of its white noise.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,12 @@
 //! Models of the pitch dynamics.
 
+pub mod baseline;
+pub mod effect;
 pub mod file;
-pub mod grey_box;
 pub mod kalman;
+pub mod noise;
 pub mod pitch;
+pub mod plant;
 pub mod sampled;
 mod shift;
 pub mod state_space;

@@ -3,14 +3,15 @@
 //! Linear parts are propagated exactly (matrix exponential), effects by a midpoint rule over steps of at most 10 ms:
 //! each effect's moment is split into its linear part, which joins the state matrix, and a remainder.
 
-use super::grey_box::{
-    DISTURBANCE, Disturbance, GUST, GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU,
-};
 use super::kalman::{Channel, steady_gain};
 use super::shift::Shift;
 use super::transition::Transition;
 use crate::dataset::{Amplitudes, Run};
-use crate::diagnosis::effects::{Conditions, Effect};
+use crate::model::effect::{Conditions, Effect};
+use crate::model::noise::Disturbance;
+use crate::model::plant::{
+    DISTURBANCE, GUST, GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU,
+};
 use nalgebra::{RowSVector, SMatrix};
 
 /// Longest step of the midpoint rule, s.

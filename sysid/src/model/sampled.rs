@@ -14,7 +14,7 @@
 //! Derivatives of Φ and Γ come from the exponential of \[M dM; 0 M\] (Van Loan, IEEE Transactions on Automatic Control 23,
 //! 1978); those to τ and ∂M/∂u are closed forms.
 
-use super::grey_box::Plant;
+use crate::model::plant::Plant;
 use nalgebra::{Matrix4, SMatrix, Vector4};
 
 /// A parameter to differentiate by.
@@ -261,7 +261,7 @@ impl MountParts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::grey_box::Mount;
+    use crate::model::plant::Mount;
 
     fn plant(delay: f64, mount: bool) -> Plant {
         let mount = mount.then(|| Mount::from_mode(12.0, 0.2, 5e-4));

@@ -1,6 +1,6 @@
 //! A step of the linear model, as the inner loop of a simulation wants it.
 
-use super::grey_box::{DISTURBANCE, GUST, STATES, State, StateMatrix};
+use crate::model::plant::{DISTURBANCE, GUST, STATES, State, StateMatrix};
 
 /// A state matrix by columns, the disturbance's block apart: it acts on the plant, the plant never on it.
 pub struct Transition {

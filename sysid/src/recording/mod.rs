@@ -6,6 +6,7 @@
 //! segments. Nothing of this is silent: [`Recording::notes`] says what was done and what looks wrong.
 //! What cannot be used is an [`Error`] with file, line, column and advice.
 
+mod assign;
 mod checks;
 mod clock;
 mod columns;

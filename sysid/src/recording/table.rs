@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
-use super::columns::{Role, Source, assign};
+use super::assign::{Source, assign};
+use super::columns::Role;
 use super::options::ReadOptions;
 use super::{Note, sniff};
 use crate::error::{Error, ErrorKind, quote};

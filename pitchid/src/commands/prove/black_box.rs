@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
-use sysid::diagnosis::judge::Trace;
+use sysid::diagnosis::evaluation::Trace;
 use sysid::recording::Recording;
 use sysid::validate::vaf::vaf;
 

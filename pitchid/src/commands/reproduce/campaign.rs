@@ -5,8 +5,8 @@ use host_sim::sensors::Noise;
 use host_sim::{Background, Plant, Scenario, Setting, fly};
 use serde::Serialize;
 use sysid::dataset::{Dataset, Place};
-use sysid::diagnosis::baseline::Baseline;
-use sysid::diagnosis::held_out::Split;
+use sysid::held_out::Split;
+use sysid::model::baseline::Baseline;
 use sysid::recording::{ReadOptions, Recording, parse};
 
 /// Amplitudes in the order in which they are joined, rad.

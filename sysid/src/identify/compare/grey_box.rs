@@ -2,22 +2,23 @@
 
 use super::judging::Work;
 use super::{MethodResult, with_input_unit};
-use crate::diagnosis::baseline::{Baseline, model_file};
-use crate::diagnosis::free_run::{
-    noise_held, output_errors, refit_for_simulation, starting_points, vaf_by_place,
-};
-use crate::diagnosis::problem::{Problem, mode_of};
-use crate::diagnosis::search::{Fit, fit_baseline};
+use crate::catalogue::model_file::model_file;
 use crate::error::{Error, ErrorKind};
 use crate::estimate::Estimate;
 use crate::identify::hinf_match::MountRange;
-use crate::identify::levenberg_marquardt::covariance;
 use crate::identify::linear_model::LinearModel;
 use crate::identify::output_error::delay_profile::{DelayProfile, delay_profile};
 use crate::identify::output_error::identifiability::{Identifiability, identifiability};
 use crate::identify::output_error::{Noise, Options, OutputErrorFit, fit};
+use crate::likelihood::fit::{Fit, fit_baseline};
+use crate::likelihood::free_run::{
+    noise_held, output_errors, refit_for_simulation, starting_points, vaf_by_place,
+};
+use crate::likelihood::problem::{Problem, mode_of};
+use crate::model::baseline::Baseline;
 use crate::model::file::{Interval, ModelFile};
-use crate::model::grey_box::Plant;
+use crate::model::plant::Plant;
+use crate::optim::levenberg_marquardt::covariance;
 use std::collections::BTreeMap;
 
 /// How far the mount's mode may lie from the start, as factors, and damping ratios that an elastomer mount has.

@@ -2,8 +2,8 @@
 
 use super::{MethodResult, ResidualTests};
 use crate::dataset::{Dataset, Place};
-use crate::diagnosis::held_out::Split;
 use crate::error::{Error, ErrorKind};
+use crate::held_out::Split;
 use crate::identify::butterworth::Butterworth;
 use crate::identify::fir::{Piece, ceiling_vaf, common_step};
 use crate::identify::linear_model::LinearModel;

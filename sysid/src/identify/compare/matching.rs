@@ -11,7 +11,7 @@ use crate::identify::hinf_match::{HinfMatch, grey_box_response, hinf_match};
 use crate::identify::linear_model::LinearModel;
 use crate::identify::output_error::Options;
 use crate::identify::pi_moesp::identify;
-use crate::model::grey_box::Plant;
+use crate::model::plant::Plant;
 use crate::model::state_space::StateSpace;
 use crate::validate::vaf::vaf;
 use serde::Serialize;

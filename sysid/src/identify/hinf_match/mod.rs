@@ -36,7 +36,7 @@ use super::butterworth::Butterworth;
 use super::continuous::ContinuousStateSpace;
 use super::hinf_norm::HinfNorm;
 use crate::error::{Error, ErrorKind};
-use crate::model::grey_box::Plant;
+use crate::model::plant::Plant;
 use core::f64::consts::TAU;
 use weighted_error::{Matching, Row, peaks};
 

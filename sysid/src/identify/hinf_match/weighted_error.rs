@@ -4,10 +4,10 @@
 use super::super::butterworth::Butterworth;
 use super::super::continuous::ContinuousStateSpace;
 use super::super::hinf_norm::{HinfNorm, hinf_norm};
-use super::super::minimax::{Curve, minimise};
 use super::{AGREED, DENSE, HinfMatch, MOST_EXCHANGES, insert};
 use crate::error::{Error, ErrorKind};
-use crate::model::grey_box::{Mount, Plant};
+use crate::model::plant::{Mount, Plant};
+use crate::optim::minimax::{Curve, minimise};
 use core::f64::consts::TAU;
 use nalgebra::{Complex, DMatrix};
 

@@ -10,7 +10,7 @@
 use super::{LONGEST_DELAY_S, Noise, Options, best, no_fit, problem};
 use crate::error::Error;
 use crate::identify::fir::Piece;
-use crate::model::grey_box::Plant;
+use crate::model::plant::Plant;
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -13,7 +13,7 @@ use super::intervals::inverse;
 use super::{Options, best, no_fit, problem};
 use crate::error::Error;
 use crate::identify::fir::Piece;
-use crate::model::grey_box::Plant;
+use crate::model::plant::Plant;
 use crate::model::sampled::Parameter::{self, Delay, DmDq, DmDu, MountDamping, MountInertia, MountMode};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;

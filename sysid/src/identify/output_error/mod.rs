@@ -32,7 +32,7 @@ use super::fir::{Piece, common_step};
 use super::hinf_match::MountRange;
 use crate::error::{Error, ErrorKind};
 use crate::estimate::Estimate;
-use crate::model::grey_box::Plant;
+use crate::model::plant::Plant;
 use crate::model::sampled::Parameter;
 use core::f64::consts::TAU;
 use intervals::{Covariances, covariances};

@@ -5,7 +5,7 @@
 use super::rows::{Section, Sensitivities};
 use crate::identify::input_fit::eliminate;
 use crate::linalg::gram;
-use crate::model::grey_box::{Mount, Plant};
+use crate::model::plant::{Mount, Plant};
 use crate::model::sampled::{Parameter, SampledPlant};
 use core::f64::consts::TAU;
 use faer::MatRef;

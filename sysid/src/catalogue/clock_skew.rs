@@ -1,0 +1,35 @@
+//! Input and output are stamped by two clocks.
+
+use crate::dataset::Amplitudes;
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+
+/// u_logged(t) = u(t (1 + ε)): the apparent delay is τ + ε t.
+pub struct ClockSkew;
+
+impl Effect for ClockSkew {
+    fn about(&self) -> About {
+        About {
+            id: "clock_skew",
+            locus: Locus::Timing,
+            sentence: "input and output are stamped by two clocks that drift apart",
+            equation: "u(t - tau - epsilon t)",
+            variable: "t",
+            condition: "more and more towards the end of the recording, after each switch of the input",
+        }
+    }
+    fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter> {
+        vec![Parameter {
+            name: "epsilon",
+            unit: "s/s",
+            lower: -0.01,
+            upper: 0.01,
+            scale: Scale::Linear(1e-4),
+        }]
+    }
+    fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
+        [5e-4, -5e-4, 1.5e-3, -1.5e-3, 2.5e-3, -2.5e-3].map(|epsilon| vec![epsilon]).to_vec()
+    }
+    fn delay(&self, p: &[f64], at: &Conditions) -> f64 {
+        p[0] * at.t
+    }
+}

@@ -1,0 +1,49 @@
+//! Contact beyond an angle.
+
+use crate::dataset::Amplitudes;
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+
+/// M −= ks (|θ| − θs) sign θ for |θ| > θs.
+pub struct EndStop;
+
+impl Effect for EndStop {
+    fn about(&self) -> About {
+        About {
+            id: "end_stop",
+            locus: Locus::PitchMoment,
+            sentence: "the vehicle runs against an elastic stop beyond an angle",
+            equation: "M -= ks (|theta| - theta_s) sign(theta) for |theta| > theta_s",
+            variable: "theta",
+            condition: "beyond the angle of the stop",
+        }
+    }
+    fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
+        let unit = data.moment / data.theta;
+        vec![
+            Parameter {
+                name: "theta_s",
+                unit: "rad",
+                lower: 0.3 * data.theta,
+                upper: 4.0 * data.theta,
+                scale: Scale::Linear(0.1 * data.theta),
+            },
+            Parameter {
+                name: "ks",
+                unit: "N m/rad",
+                lower: 0.01 * unit,
+                upper: 1e3 * unit,
+                scale: Scale::Log,
+            },
+        ]
+    }
+    fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
+        let unit = data.moment / data.theta;
+        [0.7, 1.2, 1.8].map(|share| vec![share * data.theta, unit]).to_vec()
+    }
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn moment(&self, p: &[f64], _s: &[f64], _q: f64, theta: f64, _at: &Conditions) -> f64 {
+        -p[1] * (theta - theta.clamp(-p[0], p[0]))
+    }
+}

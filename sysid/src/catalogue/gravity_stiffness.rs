@@ -1,0 +1,39 @@
+//! The centre of gravity lies below the pivot (or above it).
+
+use crate::dataset::Amplitudes;
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+
+/// M −= G sin θ; G < 0 where the centre of gravity lies above the pivot.
+pub struct GravityStiffness;
+
+impl Effect for GravityStiffness {
+    fn about(&self) -> About {
+        About {
+            id: "gravity_stiffness",
+            locus: Locus::PitchMoment,
+            sentence: "the centre of gravity lies off the pivot and gravity acts as a spring",
+            equation: "M -= G sin(theta)",
+            variable: "theta",
+            condition: "in proportion to the pitch angle, at low frequency",
+        }
+    }
+    fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
+        let unit = 0.1 * data.moment / data.theta;
+        vec![Parameter {
+            name: "G",
+            unit: "N m",
+            lower: -50.0 * unit,
+            upper: 200.0 * unit,
+            scale: Scale::Linear(unit),
+        }]
+    }
+    fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
+        vec![vec![0.1 * data.moment / data.theta], vec![data.moment / data.theta]]
+    }
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn moment(&self, p: &[f64], _s: &[f64], _q: f64, theta: f64, _at: &Conditions) -> f64 {
+        -p[0] * theta.sin()
+    }
+}

@@ -1,0 +1,42 @@
+//! The IMU sits on a soft mount, and the baseline has it rigid.
+
+use crate::dataset::Amplitudes;
+use crate::dataset::Dataset;
+use crate::model::baseline::Baseline;
+use crate::model::effect::{About, Effect, Locus, Parameter, Scale};
+use crate::model::plant::{Mount, Plant};
+
+/// Inertia that the mount carries, as a share of the airframe's: 5e-4 of 0.1705 kg m². Too small to be estimated.
+const CARRIED_SHARE: f64 = 0.003;
+
+/// J q̇P = −k (θP−θ) − c (qP−q), and its reaction on the airframe; k and c from the mode.
+pub struct ImuMount;
+
+impl Effect for ImuMount {
+    fn about(&self) -> About {
+        About {
+            id: "imu_mount",
+            locus: Locus::Sensor,
+            sentence: "the IMU sits on a soft mount",
+            equation: "J dqP/dt = -k (thetaP - theta) - c (qP - q)",
+            variable: "qdot",
+            condition: "as ringing after each switch of the input",
+        }
+    }
+    fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
+        vec![
+            Parameter { name: "mode_hz", unit: "Hz", lower: 1.0, upper: 0.45 / data.step, scale: Scale::Log },
+            Parameter { name: "zeta", unit: "1", lower: 0.005, upper: 2.0, scale: Scale::Log },
+        ]
+    }
+    fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
+        let highest = 0.3 / data.step;
+        [0.15, 0.3, 0.6].map(|share| vec![share * highest, 0.2]).to_vec()
+    }
+    fn applies(&self, baseline: &Baseline, _data: &Dataset) -> bool {
+        baseline.plant.mount.is_none()
+    }
+    fn plant(&self, p: &[f64], plant: &mut Plant) {
+        plant.mount = Some(Mount::from_mode(p[0], p[1], CARRIED_SHARE * plant.inertia));
+    }
+}

@@ -1,0 +1,115 @@
+//! Model files against the catalogue: read, made a baseline, written.
+
+use crate::catalogue::CATALOGUE;
+use crate::catalogue::find;
+use crate::catalogue::scaled_shape::{self, UNLISTED};
+use crate::dataset::{Amplitudes, Dataset};
+use crate::error::{Error, ErrorKind};
+use crate::model::baseline::Baseline;
+use crate::model::effect::Effect;
+use crate::model::file::{EffectEntry, KnownEffect, ModelFile, PlantSection};
+use crate::model::pitch::{OWN_STATES, Term};
+use crate::model::plant::{Mount, Plant};
+use std::path::Path;
+
+/// Most states that the effects have which a diagnosis adds: three of the catalogue, and a term without a name.
+const STATES_OF_CANDIDATES: usize = 3 * 2 + 3;
+
+impl Baseline {
+    /// The user's simulation from a model file; what the file leaves out is started from the data.
+    pub fn from_file(path: &Path, data: &Dataset) -> Result<Self, Error> {
+        Self::from_model(&read_model(path)?, data)
+    }
+
+    /// The same, from a model that has been read.
+    pub fn from_model(model: &ModelFile, data: &Dataset) -> Result<Self, Error> {
+        let fallback = Self::from_data(data).plant;
+        let inertia = model.plant.inertia_kg_m2;
+        let scale = inertia / fallback.inertia;
+        let mount = match (model.plant.mount_k, model.plant.mount_c, model.plant.mount_j) {
+            (Some(stiffness), Some(damping), Some(inertia)) => Some(Mount { stiffness, damping, inertia }),
+            _ => None,
+        };
+        let plant = Plant {
+            inertia,
+            dm_dq: model.plant.dm_dq.unwrap_or(fallback.dm_dq * scale),
+            dm_du: model.plant.dm_du.unwrap_or(fallback.dm_du * scale),
+            delay: model.plant.delay_s.unwrap_or(fallback.delay),
+            mount,
+        };
+        let terms = model.effects.iter().map(term).collect::<Result<Vec<_>, Error>>()?;
+        let states: usize = terms.iter().map(|term| term.effect.states()).sum();
+        if states + STATES_OF_CANDIDATES > OWN_STATES {
+            let found = format!("effects with {states} states of their own");
+            let most = OWN_STATES - STATES_OF_CANDIDATES;
+            return Err(Error::new(ErrorKind::Model, found, "leave out those that matter least")
+                .expecting(format!("at most {most} (lags have 1, modes 2, terms with a memory 3)")));
+        }
+        Ok(Self { plant, delay_free: model.plant.delay_s.is_none(), terms })
+    }
+
+    /// As a model file.
+    pub fn to_model_file(&self) -> ModelFile {
+        model_file(&self.plant, &self.terms)
+    }
+}
+
+/// A plant with its effects as a model file. Terms without a name have their scales ([`scaled::carried`]).
+pub fn model_file(plant: &Plant, terms: &[Term]) -> ModelFile {
+    ModelFile {
+        plant: PlantSection {
+            inertia_kg_m2: plant.inertia,
+            delay_s: Some(plant.delay),
+            dm_dq: Some(plant.dm_dq),
+            dm_du: Some(plant.dm_du),
+            mount_k: plant.mount.map(|m| m.stiffness),
+            mount_c: plant.mount.map(|m| m.damping),
+            mount_j: plant.mount.map(|m| m.inertia),
+        },
+        effects: terms.iter().map(|term| scaled_shape::entry(term, &parameter_names(term.effect))).collect(),
+        intervals: Default::default(),
+    }
+}
+
+/// Reads a model file against the catalogue of effects.
+pub fn read_model(path: &Path) -> Result<ModelFile, Error> {
+    let named = CATALOGUE.iter().map(|&effect| KnownEffect {
+        id: effect.about().id,
+        shape: None,
+        parameters: parameter_names(effect),
+    });
+    let nameless = scaled_shape::all().map(|effect| KnownEffect {
+        id: UNLISTED,
+        shape: Some(effect.about().id),
+        parameters: parameter_names(effect),
+    });
+    crate::model::file::read(path, &named.chain(nameless).collect::<Vec<_>>())
+}
+
+/// An entry of a model file as a term of the model.
+fn term(entry: &EffectEntry) -> Result<Term, Error> {
+    let effect: Option<&'static dyn Effect> = match &entry.shape {
+        Some(shape) if entry.id == UNLISTED => scaled_shape::find(shape).map(|scaled| scaled as _),
+        _ => find(&entry.id),
+    };
+    let effect = effect.ok_or_else(|| unknown_effect(&entry.id))?;
+    let names = parameter_names(effect);
+    let values: Vec<f64> = names.iter().filter_map(|name| entry.parameters.get(*name).copied()).collect();
+    if values.len() == names.len() { Ok(Term { effect, values }) } else { Err(unknown_effect(&entry.id)) }
+}
+
+/// Names of an effect's parameters.
+fn parameter_names(effect: &dyn Effect) -> Vec<&'static str> {
+    let any = Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 100.0 };
+    effect.parameters(&any).iter().map(|p| p.name).collect()
+}
+
+fn unknown_effect(id: &str) -> Error {
+    let known: Vec<&str> = CATALOGUE.iter().map(|e| e.about().id).collect();
+    Error::new(
+        ErrorKind::Model,
+        format!("no effect \"{id}\" with these parameters"),
+        "use an id of the catalogue",
+    )
+    .expecting(format!("one of {}", known.join(", ")))
+}

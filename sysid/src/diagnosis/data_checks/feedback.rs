@@ -1,0 +1,298 @@
+//! Does the input answer to the motion in sections that claim to be open loop?
+//!
+//! Innovations e(k) of the fitted model are what could not be known before row k. An input that was decided beforehand
+//! knows nothing of them; one that a controller, an operator or a limit has changed does:
+//!
+//! ```text
+//! w(k) = u(k) − Σ_{i=1..p} a_i u(k−i) − a_0            what is new in the input (least squares)
+//! z(l) = Σ_k e(k) w(k+l) / √(Σ_k e(k)² w(k+l)²),       l = 1..L;  Σ_l z(l)² ~ χ²_L without feedback
+//! ```
+//!
+//! With u itself in place of w, anything of the input that the model leaves in e would come back by the input's own
+//! correlation; and neither that nor a delay in the loop puts a *later* w into e. The switches of an excitation outweigh
+//! by far what a controller adds to it, so the sums are taken twice, over all rows and (regression included) without those
+//! of a large w; the clearer of the two counts, its odds doubled. Where nothing is new between the switches, there is an
+//! excitation and nothing else.
+//!
+//! Sources: Haugh, JASA 71, 1976; White's (1980) variance, for errors of uneven size.
+
+use super::{DullCause, Gravity};
+use crate::dataset::Place;
+use crate::estimate::digits;
+use crate::held_out::Split;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::problem::Problem;
+use crate::model::pitch::Output;
+use crate::recording::Recording;
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Memory of the input's own prediction, s.
+const MEMORY_S: f64 = 0.8;
+const MOST_TAPS: usize = 40;
+/// What is new beyond this many standard deviations (by the median) is a switch.
+const SWITCH: f64 = 4.0;
+/// Regressions in which switches are left out.
+const TRIMMED: usize = 2;
+/// News, relative to the input's size, that is the rounding of the numbers.
+const ROUNDING: f64 = 1e-4;
+/// Later inputs that are looked at, s.
+const LATER_S: f64 = 0.1;
+/// Odds of finding feedback by chance in one recording.
+const ODDS: f64 = 1e-3;
+/// Least share of what is new in the input that the innovations must explain: below it, the bias is small.
+const LEAST_SHARE: f64 = 0.005;
+/// Share of overridden samples from which the summary says so.
+const OVERRIDDEN: f64 = 0.5;
+/// Fewest samples that are tested.
+const FEWEST: usize = 200;
+const CAUSE: &str = "feedback";
+
+/// What is known of each section's loop.
+#[derive(Default)]
+pub struct Loops {
+    tests: Vec<(String, Test)>,
+    /// Sections that are closed on purpose.
+    closed: Vec<String>,
+    /// Sections that the supervisor entered, and the share of their samples that it decided.
+    overridden: Vec<(String, f64)>,
+    /// That share of all sections that claim to be open loop.
+    share: f64,
+}
+
+impl Loops {
+    /// Tests the sections that claim to be open loop, the rows of the supervisor left out.
+    pub fn new(recordings: &[Recording], problem: &Problem<'_>, split: &Split, fit: &Fit) -> Self {
+        let mut loops = Self::default();
+        let Some(innovations) = innovations(problem, fit) else { return loops };
+        let (mut entered, mut rows) = (0usize, 0usize);
+        for place in split.all() {
+            if closed_by_design(recordings, problem, &place) {
+                loops.closed.push(place.label);
+                continue;
+            }
+            let run = &problem.data.runs[place.run];
+            let supervised = &run.supervised[place.rows.clone()];
+            let count = supervised.iter().filter(|s| **s).count();
+            if count > 0 {
+                loops.overridden.push((place.label.clone(), count as f64 / place.rows.len() as f64));
+            }
+            entered += count;
+            rows += place.rows.len();
+            let section = Section {
+                u: &run.u[place.rows.clone()],
+                e: &innovations[place.run][place.rows.clone()],
+                supervised,
+                step: run.step,
+            };
+            loops.tests.extend(section.test().map(|test| (place.label, test)));
+        }
+        loops.share = entered as f64 / rows.max(1) as f64;
+        loops
+    }
+
+    /// Odds below which a section is not open loop.
+    fn limit(&self) -> f64 {
+        ODDS / self.tests.len().max(1) as f64
+    }
+
+    fn is_closed(&self, test: &Test) -> bool {
+        test.p_value < self.limit() && test.share > LEAST_SHARE
+    }
+
+    /// Whether any section was found to be open loop.
+    pub fn any_open(&self) -> bool {
+        self.tests.iter().any(|(_, test)| !self.is_closed(test))
+    }
+
+    /// In words.
+    pub fn told(&self) -> DullCause {
+        let found = self.tests.iter().filter(|(_, test)| self.is_closed(test));
+        let mut parts: Vec<String> = found
+            .map(|(label, test)| {
+                format!(
+                    "section {label} is not open loop: the innovations explain {:.1} % of what is new in the input within \
+                     the next {:.2} s (p = {:.0e})",
+                    100.0 * test.share, test.reach_s, test.p_value
+                )
+            })
+            .collect();
+        let heavy = !parts.is_empty() || self.share > OVERRIDDEN;
+        if !self.overridden.is_empty() {
+            let told: Vec<String> = self
+                .overridden
+                .iter()
+                .map(|(label, share)| format!("{:.1} % of {label}", 100.0 * share))
+                .collect();
+            parts.push(format!(
+                "the supervisor overrode the excitation in {}: the input answers to the motion there",
+                told.join(", ")
+            ));
+        }
+        if !parts.is_empty() {
+            let gravity = if heavy { Gravity::Headline } else { Gravity::Told };
+            let words =
+                format!("{} (free runs are biased by it, one-step predictions are not)", parts.join("; "));
+            return DullCause::found(CAUSE, gravity, words);
+        }
+        let by_design = match self.closed.as_slice() {
+            [] => String::new(),
+            labels => format!("; a closed loop by design: {}", labels.join(", ")),
+        };
+        let Some(least) = self.tests.iter().map(|(_, test)| test.p_value).min_by(f64::total_cmp) else {
+            return DullCause::cannot_tell(CAUSE, format!("no section that could be tested{by_design}"));
+        };
+        let labels: Vec<&str> = self.tests.iter().map(|(label, _)| label.as_str()).collect();
+        let words = format!(
+            "in {} the innovations say nothing of later inputs (least p = {}){by_design}",
+            labels.join(", "),
+            digits(least)
+        );
+        DullCause::ruled_out(CAUSE, words)
+    }
+}
+
+fn innovations(problem: &Problem<'_>, fit: &Fit) -> Option<Vec<Vec<Output>>> {
+    let mut all = vec![Vec::new(); problem.data.runs.len()];
+    let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
+    problem.predict(&unpacked, |run, e| all[run] = e.iter().map(|e| problem.pack(*e)).collect())?;
+    Some(all)
+}
+
+/// Section IV, any section that is called closed, and any whose attitude reference moves.
+fn closed_by_design(recordings: &[Recording], problem: &Problem<'_>, place: &Place) -> bool {
+    let label = place.label.rsplit(':').next().unwrap_or("");
+    let called = label.split(['#', ' ']).next() == Some("IV") || label.to_lowercase().contains("closed");
+    let run = &problem.data.runs[place.run];
+    let Some(recording) = recordings.get(run.recording) else { return called };
+    let (from, to) = (run.time(place.rows.start), run.time(place.rows.end));
+    let begin = recording.t.first().copied().unwrap_or(0.0);
+    let moves = |reference: &Vec<f64>| {
+        let inside = recording.t.iter().zip(reference).filter(|(t, _)| (from..to).contains(&(*t - begin)));
+        let mut values = inside.map(|(_, r)| *r);
+        let first = values.next();
+        values.any(|r| Some(r) != first)
+    };
+    called || recording.theta_ref.as_ref().is_some_and(moves)
+}
+
+/// One section's input and innovations.
+struct Section<'a> {
+    u: &'a [f64],
+    e: &'a [Output],
+    supervised: &'a [bool],
+    step: f64,
+}
+
+/// The outcome for one section.
+struct Test {
+    p_value: f64,
+    /// Share of the variance of what is new in the input that the innovations explain, beyond what chance gives.
+    share: f64,
+    /// Time after an innovation that was looked at, s.
+    reach_s: f64,
+}
+
+impl Section<'_> {
+    /// Tests innovations against what is new in later inputs; `None` where too little is there to be tested.
+    fn test(&self) -> Option<Test> {
+        let taps = ((MEMORY_S / self.step) as usize).clamp(2, MOST_TAPS).min(self.u.len() / 8);
+        let all: Vec<bool> = (0..self.u.len()).map(|k| k >= taps && !self.supervised[k]).collect();
+        let whole = whitened(self.u, taps, &all)?;
+        if typical_size(&whole, &all) < ROUNDING * typical_size(self.u, &all) {
+            return None;
+        }
+        let channels = uncorrelated(self.e);
+        let tests = [Some((whole.clone(), all.clone())), self.between_switches(taps, whole, &all)];
+        let tests: Vec<Test> = tests
+            .into_iter()
+            .flatten()
+            .filter_map(|(new, counts)| self.sums(&channels, &new, &counts))
+            .collect();
+        let odds = tests.len() as f64;
+        let clearest = tests.into_iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
+        Some(Test { p_value: (odds * clearest.p_value).min(1.0), ..clearest })
+    }
+
+    /// What is new in the input between its switches, and the rows that are no switches; `None` where nothing is.
+    fn between_switches(&self, taps: usize, whole: Vec<f64>, all: &[bool]) -> Option<(Vec<f64>, Vec<bool>)> {
+        let (mut new, mut counts) = (whole, all.to_vec());
+        for _ in 0..TRIMMED {
+            let limit = SWITCH * median_size(&new, &counts);
+            counts = (0..new.len()).map(|k| all[k] && new[k].abs() <= limit).collect();
+            new = whitened(self.u, taps, &counts)?;
+        }
+        (median_size(&new, &counts) > ROUNDING * typical_size(self.u, all)).then_some((new, counts))
+    }
+
+    fn sums(&self, channels: &[Vec<f64>], new: &[f64], counts: &[bool]) -> Option<Test> {
+        let lags = ((LATER_S / self.step).round() as usize).clamp(3, 10);
+        let (mut sum, mut share, mut fewest) = (0.0, 0.0, usize::MAX);
+        for lag in 1..=lags {
+            // Rows without the supervisor from the innovation to the input that is new.
+            let rows: Vec<usize> = (lag..new.len())
+                .filter(|&k| counts[k] && !self.supervised[k - lag..=k].contains(&true))
+                .collect();
+            fewest = fewest.min(rows.len());
+            for e in channels {
+                let pairs = || rows.iter().map(|&k| (e[k - lag], new[k]));
+                let product: f64 = pairs().map(|(e, w)| e * w).sum();
+                let spread: f64 = pairs().map(|(e, w)| e * e * w * w).sum();
+                let powers = pairs().fold((0.0, 0.0), |(a, b), (e, w)| (a + e * e, b + w * w));
+                if spread > 0.0 {
+                    sum += product * product / spread;
+                    share += product * product / (powers.0 * powers.1) - 1.0 / rows.len() as f64;
+                }
+            }
+        }
+        let freedom = (channels.len() * lags) as f64;
+        let p_value = ChiSquared::new(freedom).ok()?.sf(sum);
+        (fewest >= FEWEST).then_some(Test { p_value, share, reach_s: lags as f64 * self.step })
+    }
+}
+
+/// Root mean square of the rows that count.
+fn typical_size(values: &[f64], counts: &[bool]) -> f64 {
+    let counted = || values.iter().zip(counts).filter(|(_, c)| **c).map(|(v, _)| *v);
+    (counted().map(|v| v * v).sum::<f64>() / counted().count().max(1) as f64).sqrt()
+}
+
+/// The same by the median, as it is for normal numbers.
+fn median_size(values: &[f64], counts: &[bool]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().zip(counts).filter(|(_, c)| **c).map(|(v, _)| v.abs()).collect();
+    let middle = sizes.len() / 2;
+    sizes.sort_by(f64::total_cmp);
+    1.4826 * sizes.get(middle).copied().unwrap_or(0.0)
+}
+
+/// What `taps` values before it do not tell of each value, by a regression over the rows that count.
+fn whitened(u: &[f64], taps: usize, counts: &[bool]) -> Option<Vec<f64>> {
+    let size = taps + 1;
+    let mut normal = DMatrix::<f64>::zeros(size, size);
+    let mut right = DVector::<f64>::zeros(size);
+    let row = |k: usize| {
+        let past = u[k - taps..k].iter().rev().copied();
+        DVector::from_iterator(size, past.chain([1.0]))
+    };
+    for k in (taps..u.len()).filter(|&k| counts[k]) {
+        let x = row(k);
+        normal.ger(1.0, &x, &x, 1.0);
+        right.axpy(u[k], &x, 1.0);
+    }
+    let ridge = 1e-10 * normal.trace() / size as f64;
+    for i in 0..size {
+        normal[(i, i)] += ridge;
+    }
+    let weights = normal.cholesky()?.solve(&right);
+    let new = |k: usize| if k < taps { 0.0 } else { u[k] - weights.dot(&row(k)) };
+    Some((0..u.len()).map(new).collect())
+}
+
+/// The channels, the second less what the first tells of it; a dead channel is left out.
+fn uncorrelated(innovations: &[Output]) -> Vec<Vec<f64>> {
+    let product = |a: usize, b: usize| innovations.iter().map(|e| e[a] * e[b]).sum::<f64>();
+    let first: Vec<f64> = innovations.iter().map(|e| e[0]).collect();
+    let slope = product(0, 1) / product(0, 0).max(f64::MIN_POSITIVE);
+    let second: Vec<f64> = innovations.iter().map(|e| e[1] - slope * e[0]).collect();
+    [first, second].into_iter().filter(|channel| channel.iter().any(|e| *e != 0.0)).collect()
+}

@@ -1,0 +1,124 @@
+//! Sign and unit of the input: ∂M/∂u as the data have it against the user's model.
+//!
+//! Missing physics, and a start from a wrong unit, can bend a fit's ∂M/∂u by more than a unit does. A regression that knows
+//! no model stays within a factor of two or three whatever is missing; it decides, and the fit's interval says how clearly.
+
+use super::{DEGREES, DullCause, Gravity, too_large};
+use crate::diagnosis::describe::in_words;
+use crate::estimate::Estimate;
+use crate::estimate::digits;
+use crate::likelihood::problem::Problem;
+use crate::model::baseline::rough_gain;
+use crate::recording::{InputUnit, Recording};
+
+/// Half width, in ln, of the band around 57.3: a factor of 2.5 for the regression, and 30 % for the user's value.
+const NEAR: f64 = 1.2;
+/// Ratios of the two gains, in ln, that missing physics and the model's error explain.
+const TOLERABLE: f64 = 1.5;
+const NO_MODEL: &str = "no model says what the response to the input should be";
+
+/// ∂M/∂u of the data and of the user's model.
+pub struct Response<'a> {
+    fitted: Option<Estimate>,
+    rough: f64,
+    given: Option<f64>,
+    recordings: &'a [Recording],
+}
+
+impl<'a> Response<'a> {
+    /// Takes the estimate out of `estimates`; `given` is the model's value.
+    pub fn new(
+        recordings: &'a [Recording],
+        problem: &Problem<'_>,
+        estimates: Vec<Estimate>,
+        given: Option<f64>,
+    ) -> Self {
+        Self {
+            fitted: estimates.into_iter().find(|e| e.name == "dM_du"),
+            rough: rough_gain(problem.data) * problem.baseline.plant.inertia,
+            given,
+            recordings,
+        }
+    }
+
+    /// The sign. Where no section is open loop (`fed_back`), the fitted sign may be that of the controller.
+    pub fn sign(&self, fed_back: bool) -> DullCause {
+        const CAUSE: &str = "input_sign";
+        let (Some(gain), Some(given)) = (&self.fitted, self.given) else {
+            let known =
+                self.fitted.as_ref().map_or(String::new(), |g| format!("; the data have {}", in_words(g)));
+            return DullCause::cannot_tell(CAUSE, format!("{NO_MODEL}{known}"));
+        };
+        let rough = digits(self.rough);
+        let told =
+            format!("the data have {} (a regression: {rough}), the model {}", in_words(gain), digits(given));
+        let clear = gain.ci95[0] * gain.ci95[1] > 0.0 && gain.value * self.rough > 0.0;
+        if clear && gain.value * given > 0.0 {
+            return DullCause::ruled_out(CAUSE, told);
+        }
+        if clear && !fed_back {
+            let advice = self.option(&[self.column()], -1.0);
+            return DullCause::found(
+                CAUSE,
+                Gravity::Stops,
+                format!(
+                    "the input is reversed against the model, or all of the measured motion is: {told}; read it with {advice}, or turn the model's sign"
+                ),
+            );
+        }
+        DullCause::cannot_tell(CAUSE, told)
+    }
+
+    /// The unit.
+    pub fn unit(&self) -> DullCause {
+        const CAUSE: &str = "input_unit";
+        let looks_wrong = || {
+            let note = self.recordings.iter().find_map(|r| too_large(r, self.column()))?;
+            Some(DullCause::found(CAUSE, Gravity::Headline, note))
+        };
+        let (Some(gain), Some(given)) = (&self.fitted, self.given) else {
+            return looks_wrong().unwrap_or_else(|| DullCause::cannot_tell(CAUSE, NO_MODEL));
+        };
+        let ratio = (self.rough / given).abs();
+        let told = format!(
+            "a regression has ∂M/∂u at {} {}, {} times the model's {}",
+            digits(self.rough),
+            gain.unit,
+            digits(ratio),
+            digits(given)
+        );
+        let clear = gain.ci95[0] * gain.ci95[1] > 0.0;
+        let near = |factor: f64| clear && (ratio / factor).ln().abs() < NEAR;
+        let in_radians = self.recordings.iter().all(|r| r.u_unit == InputUnit::Rad);
+        let wrong = if in_radians && near(1.0 / DEGREES) {
+            Some(("the input is", vec![self.column()]))
+        } else if near(DEGREES) {
+            Some(("the measured motion is", vec!["q_rad_s", "theta_rad"]))
+        } else {
+            None
+        };
+        if let Some((what, columns)) = wrong {
+            let advice = self.option(&columns, 1.0 / DEGREES);
+            let words = format!("{what} in degrees where radians belong: {told}; read it with {advice}");
+            return DullCause::found(CAUSE, Gravity::Stops, words);
+        }
+        looks_wrong().unwrap_or_else(|| {
+            if ratio.ln().abs() < TOLERABLE {
+                DullCause::ruled_out(CAUSE, told)
+            } else {
+                DullCause::cannot_tell(CAUSE, format!("{told}, which is no unit's factor"))
+            }
+        })
+    }
+
+    fn column(&self) -> &'static str {
+        self.recordings.first().map_or("u_rad", |r| r.u_unit.column())
+    }
+
+    /// The options that scale these columns, as far as they are there.
+    fn option(&self, columns: &[&str], factor: f64) -> String {
+        let first = self.recordings.first();
+        let all = columns.iter().filter_map(|column| first?.option_to_scale(column, factor));
+        all.collect::<Vec<_>>().join(" ")
+    }
+}

@@ -1,0 +1,219 @@
+//! Dull causes first: what makes model and measurement differ without any physics being missing. Each is ruled out or
+//! named from the data, or the data cannot tell; none is left unasked.
+//!
+//! | cause | asked of |
+//! | --- | --- |
+//! | `clock`, `saturation`, `dead_channel` | the recordings (`channels`) |
+//! | `rate_sign`, `rate_unit` | the rate's integral against the angle (`motion`) |
+//! | `input_sign`, `input_unit` | ∂M/∂u as fitted against the user's model (`input`) |
+//! | `delay`, `input_hold` | the likelihood, the delay set free (`timing`) |
+//! | `feedback` | the innovations against later inputs (`feedback`) |
+
+mod channels;
+mod feedback;
+#[cfg(test)]
+mod fixture;
+mod input;
+mod motion;
+mod timing;
+
+use super::answer::{Answer, EffectAnswer, Location, Verdict};
+use super::evaluation::estimates;
+use super::selection::Selection;
+use crate::dataset::Dataset;
+use crate::held_out::Split;
+use crate::likelihood::problem::Problem;
+use crate::model::effect::Locus;
+use crate::recording::{NoteKind, Recording};
+use feedback::Loops;
+use input::Response;
+use serde::Serialize;
+
+/// Whether a dull cause is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum State {
+    /// The data speak against it.
+    RuledOut,
+    /// It is there.
+    Found,
+    /// The data do not decide, or nothing is there to compare with.
+    CannotTell,
+}
+
+/// What a dull cause that was found does to the answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gravity {
+    /// It is told.
+    Told,
+    /// The summary begins with it.
+    Headline,
+    /// It would be taken for physics: no physics is named before it is put right.
+    Stops,
+}
+
+/// One dull cause, and what the data say of it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct DullCause {
+    /// Which one.
+    pub cause: &'static str,
+    /// Whether it is there.
+    pub state: State,
+    /// Why, with numbers and units; where it is found, what to do.
+    pub words: String,
+    /// What it does to the answer.
+    #[serde(skip)]
+    pub gravity: Gravity,
+}
+
+impl DullCause {
+    /// The data speak against `cause`.
+    pub fn ruled_out(cause: &'static str, words: impl Into<String>) -> Self {
+        Self { cause, state: State::RuledOut, words: words.into(), gravity: Gravity::Told }
+    }
+
+    /// The data do not decide on `cause`.
+    pub fn cannot_tell(cause: &'static str, words: impl Into<String>) -> Self {
+        Self { cause, state: State::CannotTell, words: words.into(), gravity: Gravity::Told }
+    }
+
+    /// `cause` is there.
+    pub fn found(cause: &'static str, gravity: Gravity, words: impl Into<String>) -> Self {
+        Self { cause, state: State::Found, words: words.into(), gravity }
+    }
+
+    fn stops(&self) -> bool {
+        self.state == State::Found && self.gravity == Gravity::Stops
+    }
+}
+
+/// Degrees per radian.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+/// What only a fit can tell.
+const OF_FIT: [&str; 5] = ["input_sign", "input_unit", "delay", "input_hold", "feedback"];
+
+/// What the recordings alone say. `dm_du` is the user's ∂M/∂u, where the model has one.
+pub fn of_recordings(recordings: &[Recording], data: &Dataset, dm_du: Option<f64>) -> Vec<DullCause> {
+    vec![
+        channels::clock(recordings),
+        channels::saturation(recordings),
+        channels::dead(recordings),
+        motion::sign(recordings, data, dm_du),
+        motion::unit(recordings),
+    ]
+}
+
+/// What a fit says beyond that.
+pub fn of_fit(
+    recordings: &[Recording],
+    problem: &Problem<'_>,
+    split: &Split,
+    selection: &Selection,
+    dm_du: Option<f64>,
+) -> Vec<DullCause> {
+    let fit = &selection.extended;
+    let response = Response::new(recordings, problem, estimates(problem, fit), dm_du);
+    let loops = Loops::new(recordings, problem, split, fit);
+    vec![
+        response.sign(!loops.any_open()),
+        response.unit(),
+        timing::delay(problem, split, fit),
+        timing::hold(problem, split, fit),
+        loops.told(),
+    ]
+}
+
+/// The causes that only a fit can tell, where there is none.
+pub fn without_fit(reason: &str) -> impl Iterator<Item = DullCause> + '_ {
+    OF_FIT.into_iter().map(move |cause| DullCause::cannot_tell(cause, reason))
+}
+
+/// Whether no physics may be named.
+pub fn stop(causes: &[DullCause]) -> bool {
+    causes.iter().any(DullCause::stops)
+}
+
+/// Writes the causes into an answer: its list, the beginning of its summary, and, where one stops the diagnosis, its
+/// verdict.
+pub fn tell(answer: &mut Answer, causes: Vec<DullCause>) {
+    let of = |gravity: Gravity| -> Vec<&str> {
+        let found = causes.iter().filter(|c| c.state == State::Found && c.gravity == gravity);
+        found.map(|c| c.words.as_str()).collect()
+    };
+    let (stops, headlines) = (of(Gravity::Stops), of(Gravity::Headline));
+    let foremost = [stops.clone(), headlines].concat();
+    if stops.is_empty() || answer.verdict == Verdict::NotExcited {
+        if !foremost.is_empty() {
+            answer.summary = format!("{} {}", sentence(&foremost), answer.summary);
+        }
+    } else {
+        answer.verdict = Verdict::Unlisted;
+        answer.summary = format!(
+            "{} No physics is named before that is put right: what is missing beside it would be mistaken for something else.",
+            sentence(&foremost)
+        );
+        answer.effects = vec![EffectAnswer::undescribed(locus(&causes), stops.join("; "))];
+    }
+    answer.dull_causes = causes;
+}
+
+/// Parts as one sentence; the name of a column keeps its small letter.
+fn sentence(parts: &[&str]) -> String {
+    let text = parts.join("; ");
+    let first = text.split(' ').next().unwrap_or_default();
+    let mut letters = text.chars();
+    match letters.next() {
+        Some(letter) if !first.contains('_') => {
+            letter.to_uppercase().chain(letters).collect::<String>() + "."
+        }
+        _ => text + ".",
+    }
+}
+
+fn locus(causes: &[DullCause]) -> Locus {
+    let of_input = causes.iter().any(|c| c.stops() && c.cause.starts_with("input"));
+    if of_input { Locus::Actuator } else { Locus::Sensor }
+}
+
+/// Where a dull cause that stops the diagnosis sits: everywhere in the data.
+pub fn everywhere(causes: &[DullCause], data: &Dataset) -> Location {
+    let end = data.runs.iter().map(|run| run.time(run.len().saturating_sub(1)));
+    let step = data.runs.first().map_or(0.02, |run| run.step);
+    let locus = locus(causes);
+    let variable = match locus {
+        Locus::Actuator => "u",
+        _ if data.has_rate => "q",
+        _ => "theta",
+    };
+    Location {
+        locus,
+        time_s: vec![[0.0, end.fold(0.0, f64::max)]],
+        band_rad_s: [0.0, std::f64::consts::PI / step],
+        variable: variable.into(),
+        condition: "in all of the recording: the data, not the physics".into(),
+        dependence: Vec::new(),
+    }
+}
+
+/// What reading said of a signal that is too large for its unit.
+fn too_large<'r>(recording: &'r Recording, target: &str) -> Option<&'r str> {
+    let column = recording.columns.iter().find(|map| map.target == target)?;
+    let begin = format!("{} reaches", column.source);
+    let mut notes = recording.notes.iter();
+    notes.find(|n| n.kind == NoteKind::Unit && n.text.starts_with(&begin)).map(|n| n.text.as_str())
+}
+
+/// Texts of several recordings as one, each with its file's name where there are several.
+fn joined(recordings: &[Recording], told: impl Fn(&Recording) -> Option<String>) -> Option<String> {
+    let all: Vec<String> = recordings
+        .iter()
+        .filter_map(|recording| {
+            let words = told(recording)?;
+            Some(if recordings.len() > 1 { format!("{}: {words}", recording.name) } else { words })
+        })
+        .collect();
+    (!all.is_empty()).then(|| all.join("; "))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,161 @@
+//! Do rate and angle tell of one motion? Δθ against ∫q dt: the sign and the unit of the one against the other.
+
+use super::{DEGREES, DullCause, Gravity, joined, too_large};
+use crate::dataset::Dataset;
+use crate::estimate::digits;
+use crate::model::baseline::rough_gain;
+use crate::recording::Recording;
+use crate::recording::rate_and_angle::{RateAndAngle, rate_and_angle};
+
+/// Times over which ∫q dt is compared with Δθ, s: a gyro with a slow filter agrees over the longer one.
+const WINDOWS: [f64; 2] = [0.2, 1.0];
+/// Correlation from which sign and unit are judged.
+const CORRELATED: f64 = 0.7;
+/// Correlation below which, noise apart, the two channels tell of different motions.
+const UNRELATED: f64 = 0.3;
+/// Share of the correlation that the noise must leave before that is said.
+const CLEAR: f64 = 0.8;
+/// Half width, in ln, of the band around 57.3: a rate gain may be wrong by 30 % besides.
+const NEAR: f64 = 0.4;
+/// Ratios that a wrong gain of the gyro explains.
+const GAIN_ERROR: f64 = 0.6;
+const ALONE: &str = "only one of rate and angle was recorded: nothing to compare with";
+
+struct Compared {
+    over: f64,
+    found: RateAndAngle,
+    /// The correlation that the noise of both channels would leave of a perfect one.
+    reachable: f64,
+}
+
+/// Over the window that shows the closer relation.
+fn compare(recording: &Recording) -> Option<Compared> {
+    let (q, theta) = (recording.q.as_deref()?, recording.theta.as_deref()?);
+    let [of_q, of_theta] = [q, theta].map(noise);
+    let step = recording.step;
+    let at = |over: f64| {
+        let found = rate_and_angle(q, theta, &recording.segments, step, over)?;
+        let clean = |noise: f64, spread: f64| (1.0 - noise / (spread * spread)).max(0.0);
+        let in_rate = clean(of_q * of_q * step * over, found.of_rate);
+        let in_angle = clean(2.0 * of_theta * of_theta, found.of_angle);
+        Some(Compared { over, found, reachable: (in_rate * in_angle).sqrt() })
+    };
+    let both = WINDOWS.into_iter().filter_map(at);
+    both.max_by(|a, b| a.found.correlation.abs().total_cmp(&b.found.correlation.abs()))
+}
+
+/// Standard deviation of the white noise in a smooth signal, from its third differences (variance 20 σ²).
+fn noise(values: &[f64]) -> f64 {
+    let third = values.windows(4).map(|v| v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]);
+    (third.map(|d| d * d).sum::<f64>() / (20.0 * values.len().max(1) as f64)).sqrt()
+}
+
+/// The sign of the rate against the angle's, and whether the two belong together. Which of the two is reversed is told
+/// by the sign of the response to the input, where the model has one (`dm_du`).
+pub fn sign(recordings: &[Recording], data: &Dataset, dm_du: Option<f64>) -> DullCause {
+    const CAUSE: &str = "rate_sign";
+    let wrong = |recording: &Recording| {
+        let compared = compare(recording)?;
+        let correlation = compared.found.correlation;
+        if correlation < -CORRELATED {
+            return Some(reversed(recording, &compared, data, dm_du));
+        }
+        (correlation.abs() < UNRELATED && compared.reachable > CLEAR).then(|| {
+            format!(
+                "the angle theta_rad does not follow the rate q_rad_s (correlation {correlation:.2} of the angle's change with the rate's \
+                 integral over {} s, where noise would leave {:.2}): one of the two is another signal; delete or map the column",
+                compared.over, compared.reachable
+            )
+        })
+    };
+    if let Some(words) = joined(recordings, wrong) {
+        return DullCause::found(CAUSE, Gravity::Stops, words);
+    }
+    let compared: Vec<Compared> = recordings.iter().filter_map(compare).collect();
+    let Some(weakest) = compared.iter().min_by(|a, b| a.found.correlation.total_cmp(&b.found.correlation))
+    else {
+        return DullCause::cannot_tell(CAUSE, ALONE);
+    };
+    let told = format!(
+        "the angle's change follows the rate's integral over {} s with a correlation of {:.2}",
+        weakest.over, weakest.found.correlation
+    );
+    if weakest.found.correlation > CORRELATED {
+        DullCause::ruled_out(CAUSE, told)
+    } else {
+        DullCause::cannot_tell(CAUSE, format!("{told} only: too much noise, or too little motion"))
+    }
+}
+
+fn reversed(recording: &Recording, compared: &Compared, data: &Dataset, dm_du: Option<f64>) -> String {
+    let of = |column: &str| recording.option_to_scale(column, -1.0).unwrap_or_default();
+    let advice = match dm_du {
+        Some(gain) if rough_gain(data) * gain < 0.0 => format!(
+            "the rate is reversed, for it answers to the input against the model's sign; read it with {}",
+            of("q_rad_s")
+        ),
+        Some(_) => format!(
+            "the angle is reversed, for the rate answers to the input with the model's sign; read it with {}",
+            of("theta_rad")
+        ),
+        None => format!(
+            "one of the two is reversed; if the rate, read it with {}, if the angle, with {}",
+            of("q_rad_s"),
+            of("theta_rad")
+        ),
+    };
+    format!(
+        "the angle theta_rad falls while the rate q_rad_s is positive (correlation {:.2} of the angle's change with the rate's integral over {} s): {advice}",
+        compared.found.correlation, compared.over
+    )
+}
+
+/// The unit of the rate against the angle's.
+pub fn unit(recordings: &[Recording]) -> DullCause {
+    const CAUSE: &str = "rate_unit";
+    let clear = |recording: &Recording| compare(recording).filter(|c| c.found.correlation.abs() > CORRELATED);
+    let wrong = |recording: &Recording| {
+        let slope = clear(recording)?.found.slope();
+        let near = |factor: f64| (slope / factor).ln().abs() < NEAR;
+        let ((what, column), other) = match (near(DEGREES), near(1.0 / DEGREES)) {
+            (true, _) => (("angle", "theta_rad"), "rate"),
+            (_, true) => (("rate", "q_rad_s"), "angle"),
+            _ => return None,
+        };
+        Some(format!(
+            "the {what} {column} moves {} times as far as the {other} says: degrees where radians belong; read it with {}",
+            digits(slope.max(1.0 / slope)),
+            recording.option_to_scale(column, 1.0 / DEGREES).unwrap_or_default()
+        ))
+    };
+    if let Some(words) = joined(recordings, wrong) {
+        return DullCause::found(CAUSE, Gravity::Stops, words);
+    }
+    let large =
+        |r: &Recording| too_large(r, "q_rad_s").or_else(|| too_large(r, "theta_rad")).map(str::to_owned);
+    if let Some(words) = joined(recordings, large) {
+        return DullCause::found(CAUSE, Gravity::Headline, words);
+    }
+    if recordings.iter().all(|recording| recording.q.is_none() || recording.theta.is_none()) {
+        return DullCause::cannot_tell(CAUSE, ALONE);
+    }
+    let slopes: Vec<f64> = recordings.iter().filter_map(|r| Some(clear(r)?.found.slope())).collect();
+    let farthest = slopes.iter().copied().max_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
+    match farthest {
+        None => DullCause::cannot_tell(CAUSE, "angle and rate are not related closely enough"),
+        Some(slope) if slope.ln().abs() < GAIN_ERROR => DullCause::ruled_out(
+            CAUSE,
+            format!(
+                "the angle changes by {} times the rate's integral (57.3 or 0.0175 would be a unit)",
+                digits(slope)
+            ),
+        ),
+        Some(slope) => DullCause::cannot_tell(
+            CAUSE,
+            format!(
+                "the angle changes by {} times the rate's integral, which is no unit's factor",
+                digits(slope)
+            ),
+        ),
+    }
+}

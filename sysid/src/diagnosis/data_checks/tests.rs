@@ -1,0 +1,239 @@
+use super::fixture::{Flight, GAIN, fitted, flight, flown, model, normal, read};
+use super::*;
+use crate::likelihood::fit::Fit;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+
+fn compared(flight: &Flight, dm_du: Option<f64>) -> [DullCause; 2] {
+    let recordings = [flight.recording()];
+    let data = Dataset::new(&recordings).unwrap();
+    [motion::sign(&recordings, &data, dm_du), motion::unit(&recordings)]
+}
+
+fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
+    values.iter().map(|v| factor * v).collect()
+}
+
+fn states(causes: &[DullCause]) -> Vec<State> {
+    causes.iter().map(|c| c.state).collect()
+}
+
+fn response(recording: &Recording, dm_du: f64) -> [DullCause; 2] {
+    fitted(recording, &model(dm_du, 0.06), |recordings, problem, _, fit: &Fit| {
+        let response = Response::new(recordings, problem, estimates(problem, fit), Some(dm_du));
+        [response.sign(false), response.unit()]
+    })
+}
+
+fn loops(recording: &Recording, delay: f64) -> DullCause {
+    fitted(recording, &model(GAIN, delay), |recordings, problem, split, fit| {
+        Loops::new(recordings, problem, split, fit).told()
+    })
+}
+
+#[test]
+fn a_sound_flight_is_cleared_of_everything() {
+    let recording = flight(1, 0.0).recording();
+    for cause in of_recordings(
+        std::slice::from_ref(&recording),
+        &Dataset::new(std::slice::from_ref(&recording)).unwrap(),
+        Some(GAIN),
+    ) {
+        assert_eq!(cause.state, State::RuledOut, "{cause:?}");
+    }
+    let all = fitted(&recording, &model(GAIN, 0.06), |recordings, problem, split, fit| {
+        let selection = Selection { baseline: fit.clone(), extended: fit.clone(), findings: Vec::new() };
+        of_fit(recordings, problem, split, &selection, Some(GAIN))
+    });
+    assert_eq!(all.iter().map(|c| c.cause).collect::<Vec<_>>(), OF_FIT);
+    assert_eq!(states(&all), [State::RuledOut; 5], "{all:?}");
+}
+
+#[test]
+fn a_reversed_channel_is_told_from_the_other_by_the_response_to_the_input() {
+    let sound = flight(1, 0.0);
+    let rate = Flight { q: scaled(&sound.q, -1.0), ..sound.clone() };
+    let angle = Flight { theta: scaled(&sound.theta, -1.0), ..sound.clone() };
+    for (reversed, option) in [(rate, "'q_rad_s=q_rad_s*-1'"), (angle, "'theta_rad=theta_rad*-1'")] {
+        let [sign, unit] = compared(&reversed, Some(GAIN));
+        assert!(sign.stops() && sign.words.contains(option), "{sign:?}");
+        assert_eq!(sign.words.matches("--column").count(), 1);
+        assert_eq!(unit.state, State::RuledOut);
+        let [sign, _] = compared(&reversed, None);
+        assert!(sign.stops() && sign.words.matches("--column").count() == 2, "{sign:?}");
+    }
+}
+
+#[test]
+fn degrees_are_told_from_a_wrong_gain_of_the_gyro() {
+    let sound = flight(1, 0.0);
+    for (factor, found) in [(DEGREES, true), (1.0 / DEGREES, true), (1.3, false), (0.7, false)] {
+        let spoilt = Flight { q: scaled(&sound.q, factor), ..sound.clone() };
+        let [sign, unit] = compared(&spoilt, Some(GAIN));
+        assert_eq!((sign.state, unit.stops()), (State::RuledOut, found), "{factor}: {unit:?}");
+    }
+    let spoilt = Flight { q: scaled(&sound.q, DEGREES), ..sound };
+    assert!(compared(&spoilt, None)[1].words.contains("'q_rad_s=q_rad_s*0.01745329'"));
+}
+
+#[test]
+fn a_slow_gyro_is_no_reversed_one_and_noise_tells_nothing() {
+    let sound = flight(1, 0.0);
+    let mut filtered = 0.0;
+    let slow = sound.q.iter().map(|q| {
+        filtered += 0.15 * (q - filtered);
+        filtered
+    });
+    let slow = Flight { q: slow.collect(), ..sound.clone() };
+    assert_eq!(states(&compared(&slow, Some(GAIN))), [State::RuledOut; 2]);
+    let mut random = Pcg64::seed_from_u64(3);
+    let noise = sound.theta.iter().map(|_| 0.01 * normal(&mut random)).collect();
+    let noise = Flight { theta: noise, ..sound };
+    assert_eq!(states(&compared(&noise, Some(GAIN))), [State::CannotTell; 2]);
+}
+
+#[test]
+fn an_angle_of_another_motion_is_told() {
+    let [one, other] = [flight(1, 0.0), flight(2, 0.0)];
+    let [sign, _] = compared(&Flight { theta: other.theta, ..one }, Some(GAIN));
+    assert!(sign.stops() && sign.words.contains("does not follow"), "{sign:?}");
+}
+
+#[test]
+fn sign_and_unit_of_the_input_are_those_of_the_fitted_gain() {
+    let sound = flight(1, 0.0);
+    let spoilt = |factor: f64| Flight { u: scaled(&sound.u, factor), ..sound.clone() }.recording();
+    let [sign, unit] = response(&spoilt(-1.0), GAIN);
+    assert!(sign.stops() && sign.words.contains("'u_rad=u_rad*-1'"), "{sign:?}");
+    assert_eq!(unit.state, State::RuledOut);
+    let [sign, unit] = response(&spoilt(DEGREES), GAIN);
+    assert!(unit.stops() && unit.words.contains("'u_rad=u_rad*0.01745329'"), "{unit:?}");
+    assert_eq!(sign.state, State::RuledOut);
+    let degrees =
+        Flight { q: scaled(&sound.q, DEGREES), theta: scaled(&sound.theta, DEGREES), ..sound.clone() };
+    let [_, unit] = response(&degrees.recording(), GAIN);
+    assert!(unit.stops() && unit.words.contains("'theta_rad=theta_rad*0.01745329'"), "{unit:?}");
+    // The user's value may be 30 % off, and three times as large is no unit either.
+    assert_eq!(states(&response(&sound.recording(), 0.7 * GAIN)), [State::RuledOut; 2]);
+    assert_eq!(states(&response(&sound.recording(), 5.0 * GAIN)), [State::RuledOut, State::CannotTell]);
+}
+
+#[test]
+fn the_delay_that_the_data_want_is_told_in_samples() {
+    let asked = |delay: f64| {
+        let recording = flight(1, 0.0).recording();
+        let found = crate::diagnosis::diagnose(&[recording], Some(&model(GAIN, delay)), &|_| ()).unwrap();
+        found.answer.dull_causes.into_iter().find(|c| c.cause == "delay").unwrap()
+    };
+    let right = asked(0.06);
+    assert!(right.state == State::RuledOut && right.words.contains("(3.00 samples)"), "{right:?}");
+    let wrong = asked(0.1);
+    assert_eq!((wrong.state, wrong.gravity), (State::Found, Gravity::Told), "{wrong:?}");
+    assert!(wrong.words.contains("(5.00 samples): named as extra_delay"), "{wrong:?}");
+}
+
+#[test]
+fn a_command_is_held_and_half_a_sample_of_delay_is_not_taken_for_one() {
+    let asked = |recording: &Recording| {
+        fitted(recording, &model(GAIN, 0.06), |_, problem, split, fit| timing::hold(problem, split, fit))
+    };
+    let mut recording = flight(1, 0.0).recording();
+    assert_eq!(asked(&recording).state, State::RuledOut);
+    recording.input_hold = crate::recording::InputHold::Interpolated;
+    let wrong = asked(&recording);
+    assert!(wrong.state == State::Found && wrong.words.contains("--input interpolated"), "{wrong:?}");
+    let straight = asked(&flown(1, 0.05, [0.5, 0.5]).recording());
+    assert_ne!(straight.state, State::RuledOut, "{straight:?}");
+}
+
+#[test]
+fn feedback_is_found_where_it_is_and_a_wrong_delay_does_not_fake_it() {
+    for seed in 1..5 {
+        let open = loops(&flight(seed, 0.0).recording(), 0.06);
+        assert_eq!(open.state, State::RuledOut, "{open:?}");
+        let delayed = loops(&flight(seed, 0.0).recording(), 0.1);
+        assert_eq!(delayed.state, State::RuledOut, "{delayed:?}");
+        let closed = loops(&flight(seed, 0.1).recording(), 0.06);
+        assert_eq!((closed.state, closed.gravity), (State::Found, Gravity::Headline), "{closed:?}");
+        assert!(closed.words.contains("not open loop"));
+    }
+}
+
+#[test]
+fn sections_that_are_closed_on_purpose_are_not_accused() {
+    let closed = flight(1, 0.05);
+    let mut led = closed.clone();
+    led.reference.iter_mut().step_by(100).for_each(|r| *r = 0.1);
+    for flight in [led, Flight { section: "IV", ..closed }] {
+        let told = loops(&flight.recording(), 0.06);
+        assert_eq!(told.state, State::CannotTell);
+        assert!(told.words.contains("by design"), "{told:?}");
+    }
+}
+
+#[test]
+fn the_supervisor_is_told_as_a_fact() {
+    let mut entered = flight(1, 0.0);
+    entered.supervised[300..320].fill(true);
+    let few = loops(&entered.recording(), 0.06);
+    assert_eq!((few.state, few.gravity), (State::Found, Gravity::Told), "{few:?}");
+    assert!(few.words.contains("1.4 % of I") && !few.words.contains("not open loop"), "{few:?}");
+    entered.supervised[300..1700].fill(true);
+    assert_eq!(loops(&entered.recording(), 0.06).gravity, Gravity::Headline);
+}
+
+#[test]
+fn irregular_stamps_are_told() {
+    let sound = flight(1, 0.0);
+    let rows: Vec<String> = sound.text().lines().map(|line| line.to_owned() + "\n").collect();
+    assert_eq!(channels::clock(&[read(&rows.concat())]).state, State::RuledOut);
+    let gap = [&rows[..500], &rows[600..]].concat().concat();
+    let double = [&rows[..500], &rows[499..]].concat().concat();
+    for (text, word) in [(gap, "gap"), (double, "duplicate")] {
+        let told = channels::clock(&[read(&text)]);
+        assert!(told.state == State::Found && told.words.contains(word), "{told:?}");
+    }
+}
+
+#[test]
+fn plateaus_are_told_but_not_the_two_levels_of_an_excitation() {
+    let sound = flight(1, 0.0);
+    assert_eq!(channels::saturation(&[sound.recording()]).state, State::RuledOut);
+    let clipped = Flight { q: sound.q.iter().map(|q| q.clamp(-0.3, 0.3)).collect(), ..sound };
+    let told = channels::saturation(&[clipped.recording()]);
+    assert!(told.state == State::Found && told.words.contains("q_rad_s stays at"), "{told:?}");
+    let mut fed_back = flight(1, 0.05);
+    assert_eq!(channels::saturation(&[fed_back.recording()]).state, State::RuledOut);
+    fed_back.u.iter_mut().for_each(|u| *u = u.clamp(-0.02, 0.02));
+    let told = channels::saturation(&[fed_back.recording()]);
+    assert!(told.state == State::Found && told.words.contains("u_rad stays at 0.0200"), "{told:?}");
+}
+
+#[test]
+fn dead_channels_are_told() {
+    let sound = flight(1, 0.0);
+    let dead = Flight { theta: vec![0.0; sound.theta.len()], ..sound.clone() };
+    let told = channels::dead(&[dead.recording()]);
+    assert!(told.stops() && told.words.contains("theta_rad is constant"), "{told:?}");
+    let still = Flight { u: vec![0.01; sound.u.len()], ..sound.clone() };
+    assert_eq!(channels::dead(&[still.recording()]).gravity, Gravity::Headline);
+    let mut text = sound.text();
+    for k in 0..300 {
+        text += &format!("{:.2},0,{},0,III,0,0\n", 40.0 + 0.02 * f64::from(k), 0.01 * f64::from(k % 7));
+    }
+    let told = channels::dead(&[read(&text)]);
+    assert!(told.state == State::Found && told.words.contains("in section III"), "{told:?}");
+}
+
+#[test]
+fn a_cause_that_stops_leaves_no_physics_in_the_answer() {
+    let sound = flight(1, 0.0);
+    let reversed = Flight { q: scaled(&sound.q, -1.0), ..sound };
+    let found =
+        crate::diagnosis::diagnose(&[reversed.recording()], Some(&model(GAIN, 0.06)), &|_| ()).unwrap();
+    let answer = found.answer;
+    assert_eq!((answer.verdict, answer.dull_causes.len()), (Verdict::Unlisted, 10));
+    assert_eq!(answer.effects.iter().map(|e| e.id.as_str()).collect::<Vec<_>>(), ["unlisted"]);
+    assert!(answer.effects[0].equation.contains("the rate is reversed"), "{:?}", answer.effects);
+    assert!(answer.summary.starts_with("The angle theta_rad falls"), "{}", answer.summary);
+}

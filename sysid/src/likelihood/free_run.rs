@@ -1,0 +1,108 @@
+//! Free-run simulation of sections, and the refit that serves it.
+//!
+//! Each section starts from its own estimated state: the predictor's corrected state at the section's first sample.
+
+use crate::dataset::Place;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::problem::{Problem, Unpacked};
+use crate::model::pitch::{Output, Point};
+use crate::optim::levenberg_marquardt::{Coordinate, Effort, Minimum, Residuals, minimize};
+use crate::validate::vaf::vaf;
+
+/// States of the predictor at the first sample of each of `places`.
+pub fn starting_points(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) -> Option<Vec<Point>> {
+    let mut points = vec![None; places.len()];
+    let visit = |run: usize, k: usize, point: &Point| {
+        for (place, slot) in places.iter().zip(points.iter_mut()) {
+            if place.run == run && place.rows.start == k {
+                *slot = Some(*point);
+            }
+        }
+    };
+    problem.track(unpacked, visit, &mut |_, _| {})?;
+    points.into_iter().collect()
+}
+
+/// Simulates each of `places` from its starting point, without looking at the measurement.
+pub fn simulate(
+    problem: &Problem<'_>,
+    unpacked: &Unpacked,
+    places: &[Place],
+    points: &[Point],
+) -> Option<Vec<Vec<Output>>> {
+    let mut simulated = Vec::with_capacity(places.len());
+    for (place, point) in places.iter().zip(points) {
+        let run = &problem.data.runs[place.run];
+        let model = problem.model(unpacked, run.step)?;
+        simulated.push(model.simulate(run, place.rows.clone(), *point)?);
+    }
+    Some(simulated)
+}
+
+/// The measured signal that a free run is judged by: the pitch rate, or the angle where no rate was measured.
+pub fn judged<'d>(problem: &'d Problem<'_>, place: &Place) -> &'d [f64] {
+    let run = &problem.data.runs[place.run];
+    let signal = run.rate.as_ref().or(run.angle.as_ref());
+    signal.map_or(&[], |s| &s[place.rows.clone()])
+}
+
+/// The same channel of a simulation.
+pub fn judged_channel(problem: &Problem<'_>, simulated: &[Output]) -> Vec<f64> {
+    let channel = usize::from(!problem.data.has_rate);
+    simulated.iter().map(|y| y[channel]).collect()
+}
+
+/// Free-run VAF of each of `places`, per cent; zero where the simulation diverges.
+pub fn vaf_by_place(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) -> Vec<f64> {
+    let simulated = starting_points(problem, unpacked, places)
+        .and_then(|points| simulate(problem, unpacked, places, &points));
+    let Some(simulated) = simulated else { return vec![0.0; places.len()] };
+    places
+        .iter()
+        .zip(&simulated)
+        .map(|(place, s)| vaf(judged(problem, place), &judged_channel(problem, s)))
+        .collect()
+}
+
+/// Output-error maximum likelihood over `places`: the plant's and the effects' parameters that minimise the free-run
+/// error about its mean, the noise model held at `fit`'s. Answers the minimum with its coordinates.
+///
+/// What the criterion cannot see (a sensor's offset) stays where `fit` has it.
+pub fn refit_for_simulation(problem: &Problem<'_>, fit: &Fit, places: &[Place]) -> Option<Minimum> {
+    const EFFORT: Effort = Effort { iterations: 15, tolerance: 0.05 };
+    let values = &fit.minimum.values;
+    let points = starting_points(problem, &problem.unpack(&fit.effects, values), places)?;
+    let residuals = output_errors(problem, fit, places, &points);
+    minimize(&*residuals, 1, &noise_held(problem, fit), values, EFFORT)
+}
+
+/// Free-run errors about their mean, section by section, as a function of the parameters.
+pub fn output_errors<'p>(
+    problem: &'p Problem<'_>,
+    fit: &'p Fit,
+    places: &'p [Place],
+    points: &'p [Point],
+) -> Box<Residuals<'p>> {
+    Box::new(move |values: &[f64]| {
+        let unpacked = problem.unpack(&fit.effects, values);
+        let simulated = simulate(problem, &unpacked, places, points)?;
+        let mut errors = Vec::new();
+        for (place, s) in places.iter().zip(&simulated) {
+            let measured = judged(problem, place);
+            let channel = judged_channel(problem, s);
+            let mean =
+                measured.iter().zip(&channel).map(|(y, s)| y - s).sum::<f64>() / channel.len().max(1) as f64;
+            errors.extend(measured.iter().zip(&channel).map(|(y, s)| [y - s - mean, 0.0]));
+        }
+        Some(errors)
+    })
+}
+
+/// The coordinates of a fit with its noise model held.
+pub fn noise_held(problem: &Problem<'_>, fit: &Fit) -> Vec<Coordinate> {
+    let mut coordinates = problem.coordinates(&fit.effects);
+    for i in problem.noise_range() {
+        coordinates[i].bounds = [fit.minimum.values[i]; 2];
+    }
+    coordinates
+}

@@ -1,0 +1,5 @@
+//! The likelihood of data under a model: the unknowns, the predictor, fits, free runs.
+
+pub mod fit;
+pub mod free_run;
+pub mod problem;

@@ -1,0 +1,312 @@
+//! One estimation problem: the data, the baseline, and which samples count; its unknowns and its residuals.
+
+use crate::catalogue::model_file::model_file;
+use crate::catalogue::scaled_shape::carried;
+use crate::dataset::{Amplitudes, Dataset, Place};
+use crate::model::baseline::Baseline;
+use crate::model::effect::Effect;
+use crate::model::effect::Scale;
+use crate::model::file::ModelFile;
+use crate::model::noise::Disturbance;
+use crate::model::pitch::{Gains, Output, PitchModel, Point, Term};
+use crate::model::plant::{Mount, Plant};
+use crate::optim::levenberg_marquardt::Coordinate;
+
+/// The data with what is counted of them.
+pub struct Problem<'a> {
+    /// The data.
+    pub data: &'a Dataset,
+    /// The baseline.
+    pub baseline: &'a Baseline,
+    /// Sizes of the signals.
+    pub sizes: Amplitudes,
+    /// For every run, which rows count in the criterion.
+    pub counted: Vec<Vec<bool>>,
+}
+
+/// A full set of values in the forms that the model takes.
+pub struct Unpacked {
+    /// The plant.
+    pub plant: Plant,
+    /// The noise model.
+    pub disturbance: Disturbance,
+    /// The baseline's terms and then the effects under test.
+    pub terms: Vec<Term>,
+}
+
+impl Unpacked {
+    /// The model that this is, as a file. Terms without a name were fitted to data of these `sizes`.
+    pub fn to_model_file(&self, sizes: &Amplitudes) -> ModelFile {
+        let terms: Vec<Term> = self.terms.iter().map(|term| carried(term, sizes)).collect();
+        model_file(&self.plant, &terms)
+    }
+}
+
+/// Time after the start of a run that the predictor takes to settle, s.
+const SETTLING: f64 = 1.0;
+/// Standard deviation of the prior on ln(mount frequency): the user's model may be off by half.
+const MOUNT_MODE_PRIOR: f64 = 0.4;
+/// How far the mount's frequency may lie from the user's model, as factors: a mode that leaves this range is no mount
+/// any more, but stands for a lag or a delay that the model lacks.
+const MOUNT_MODE_RANGE: [f64; 2] = [0.5, 2.2];
+/// Damping ratios that an elastomer mount has.
+const MOUNT_DAMPING_RANGE: [f64; 2] = [0.03, 1.0];
+/// Least damping ratio of the disturbance's poles: narrower it is a line, and no turbulence.
+const LEAST_DAMPING: f64 = 0.2;
+/// Standard deviation of the prior on ln(damping ratio of the mount).
+const MOUNT_DAMPING_PRIOR: f64 = 0.7;
+
+impl<'a> Problem<'a> {
+    /// Counts all rows but those of the places in `held_out`, and the first second of every run.
+    pub fn new(data: &'a Dataset, baseline: &'a Baseline, held_out: &[Place]) -> Self {
+        let mut counted: Vec<Vec<bool>> = data
+            .runs
+            .iter()
+            .map(|run| {
+                let settled = ((SETTLING / run.step).ceil() as usize).min(run.len() / 4);
+                (0..run.len()).map(|k| k >= settled).collect()
+            })
+            .collect();
+        for place in held_out {
+            counted[place.run][place.rows.clone()].fill(false);
+        }
+        Self { data, baseline, sizes: data.amplitudes(baseline.plant.dm_du), counted }
+    }
+
+    /// Number of residual channels.
+    pub fn channels(&self) -> usize {
+        usize::from(self.data.has_rate) + usize::from(self.data.has_angle)
+    }
+
+    /// Number of numbers that the criterion counts.
+    pub fn count(&self) -> usize {
+        self.channels() * self.counted.iter().flatten().filter(|&&c| c).count()
+    }
+
+    /// Number of unknowns of the plant; they come first.
+    pub fn plant_unknowns(&self) -> usize {
+        2 + usize::from(self.baseline.delay_free) + 2 * usize::from(self.baseline.plant.mount.is_some())
+    }
+
+    /// Number of unknowns of the noise model; they follow the plant's.
+    pub fn noise_unknowns(&self) -> usize {
+        3 + self.channels()
+    }
+
+    /// Where the unknowns of the noise model stand.
+    pub fn noise_range(&self) -> core::ops::Range<usize> {
+        self.plant_unknowns()..self.plant_unknowns() + self.noise_unknowns()
+    }
+
+    /// Where the unknowns of the mount stand; empty where the IMU is rigid.
+    pub fn mount_range(&self) -> core::ops::Range<usize> {
+        2 + usize::from(self.baseline.delay_free)..self.plant_unknowns()
+    }
+
+    /// The unknowns: plant, noise model, then the parameters of `effects`.
+    pub fn coordinates(&self, effects: &[&'static dyn Effect]) -> Vec<Coordinate> {
+        let mut all = self.plant_coordinates();
+        all.extend(self.noise_coordinates());
+        for effect in effects {
+            all.extend(effect.parameters(&self.sizes).iter().map(|p| {
+                let (log, step) = match p.scale {
+                    Scale::Log => (true, 1.0),
+                    Scale::Linear(step) => (false, step),
+                };
+                coordinate(p.name, p.unit, [p.lower, p.upper], log, step)
+            }));
+        }
+        all
+    }
+
+    fn plant_coordinates(&self) -> Vec<Coordinate> {
+        let plant = &self.baseline.plant;
+        let unit = self.data.input_unit.symbol();
+        let damping = (self.sizes.moment / self.sizes.q).max(plant.dm_dq.abs());
+        let gain = plant.dm_du.abs();
+        let mut all = vec![
+            coordinate("dM_dq", "N m s/rad", [-1e3 * damping, 0.0], false, 0.1 * damping),
+            coordinate("dM_du", &format!("N m/{unit}"), [-1e3 * gain, 1e3 * gain], false, 0.1 * gain),
+        ];
+        if self.baseline.delay_free {
+            all.push(coordinate("delay", "s", [0.0, 0.3], false, self.sizes.step));
+        }
+        if let Some(mount) = plant.mount {
+            let (hz, zeta) = mode_of(&mount);
+            let mut mode = coordinate(
+                "mount_mode",
+                "Hz",
+                [MOUNT_MODE_RANGE[0] * hz, MOUNT_MODE_RANGE[1] * hz],
+                true,
+                1.0,
+            );
+            mode.prior = Some((hz, MOUNT_MODE_PRIOR));
+            let mut damping = coordinate("mount_zeta", "1", MOUNT_DAMPING_RANGE, true, 1.0);
+            damping.prior = Some((zeta, MOUNT_DAMPING_PRIOR));
+            all.extend([mode, damping]);
+        }
+        all
+    }
+
+    fn noise_coordinates(&self) -> Vec<Coordinate> {
+        // Bounds are those of 50 Hz sampling, stretched for faster sampling.
+        let faster = (0.02 / self.sizes.step).max(1.0);
+        let unit = self.intensity_unit();
+        let mut all = vec![
+            coordinate("disturbance_intensity", "1", [1e-4 * unit, 1e5 * unit], true, 1.0),
+            coordinate("disturbance_frequency", "rad/s", [0.1, 60.0 * faster], true, 1.0),
+            coordinate("disturbance_damping", "1", [LEAST_DAMPING, 30.0 * faster.sqrt()], true, 1.0),
+            coordinate("disturbance_zero", "rad/s", [0.01, 100.0 * faster], true, 1.0),
+        ];
+        if self.channels() == 2 {
+            let ratio = self.sizes.theta / self.sizes.q;
+            all.push(coordinate("angle_noise", "s", [1e-4 * ratio, 1e3 * ratio], true, 1.0));
+        }
+        all
+    }
+
+    /// Intensity of a disturbance that moves the first channel within a second about as much as its noise does, if
+    /// that noise is a hundredth of the signal.
+    fn intensity_unit(&self) -> f64 {
+        let signal = if self.data.has_rate { self.sizes.q } else { self.sizes.theta };
+        0.1 * self.sizes.moment / (0.01 * signal)
+    }
+
+    /// Noise parameters to begin with, for a disturbance `share` times as strong as one that moves the signal within a
+    /// second by about the sensor's noise.
+    pub fn noise_start(&self, share: f64) -> Vec<f64> {
+        let faster = (0.02 / self.sizes.step).max(1.0).sqrt().sqrt();
+        let mut start = vec![share * self.intensity_unit(), 2.2 * faster, 2.3 * faster, 1.0];
+        if self.channels() == 2 {
+            start.push(0.3 * self.sizes.theta / self.sizes.q);
+        }
+        start
+    }
+
+    /// Frequency, damping and zero of a disturbance without slow parts to begin with, rad/s, 1, rad/s.
+    pub fn band_pass(&self) -> [f64; 3] {
+        let faster = (0.02 / self.sizes.step).max(1.0).sqrt().sqrt();
+        [3.8 * faster, 1.7 * faster, 0.03]
+    }
+
+    /// The same for a disturbance that resonates.
+    pub fn resonance(&self) -> [f64; 3] {
+        [4.0, 0.5, 0.03]
+    }
+
+    /// Values of the plant's unknowns in the baseline.
+    pub fn plant_start(&self) -> Vec<f64> {
+        let plant = &self.baseline.plant;
+        let mut start = vec![plant.dm_dq, plant.dm_du];
+        if self.baseline.delay_free {
+            start.push(plant.delay);
+        }
+        if let Some(mount) = plant.mount {
+            let (hz, zeta) = mode_of(&mount);
+            start.extend([hz, zeta]);
+        }
+        start
+    }
+
+    /// Values of all unknowns → plant, noise model, terms.
+    pub fn unpack(&self, effects: &[&'static dyn Effect], values: &[f64]) -> Unpacked {
+        let mut rest = values.iter().copied();
+        let mut next = || rest.next().unwrap_or(f64::NAN);
+        let mut plant = self.baseline.plant;
+        plant.dm_dq = next();
+        plant.dm_du = next();
+        if self.baseline.delay_free {
+            plant.delay = next();
+        }
+        if let Some(mount) = &mut plant.mount {
+            *mount = Mount::from_mode(next(), next(), mount.inertia);
+        }
+        let mut disturbance = Disturbance {
+            intensity: next(),
+            frequency: next(),
+            damping: next(),
+            zero: next(),
+            angle_noise: 1.0,
+            gust: None,
+        };
+        if self.channels() == 2 {
+            disturbance.angle_noise = next();
+        }
+        let mut terms = self.baseline.terms.clone();
+        for &effect in effects {
+            let values: Vec<f64> = effect.parameters(&self.sizes).iter().map(|_| next()).collect();
+            disturbance.gust = disturbance.gust.or_else(|| effect.gust(&values));
+            terms.push(Term { effect, values });
+        }
+        Unpacked { plant, disturbance, terms }
+    }
+
+    /// One-step prediction errors of the counted rows.
+    pub fn prediction_errors(&self, effects: &[&'static dyn Effect], values: &[f64]) -> Option<Vec<Output>> {
+        let unpacked = self.unpack(effects, values);
+        let mut all = Vec::with_capacity(self.count());
+        let last = |run: usize| self.counted[run].iter().rposition(|c| *c).map_or(0, |k| k + 1);
+        self.run(&unpacked, last, |_, _, _| {}, &mut |run, innovations| {
+            all.extend(
+                innovations.iter().zip(&self.counted[run]).filter(|(_, c)| **c).map(|(e, _)| self.pack(*e)),
+            );
+        })?;
+        Some(all)
+    }
+
+    /// Runs the predictor over all runs and hands each run's innovations to `take`.
+    pub fn predict(&self, unpacked: &Unpacked, mut take: impl FnMut(usize, Vec<Output>)) -> Option<()> {
+        self.track(unpacked, |_, _, _| {}, &mut take)
+    }
+
+    /// The same, showing the corrected state of every row to `visit` (run, row, point).
+    pub fn track(
+        &self,
+        unpacked: &Unpacked,
+        visit: impl FnMut(usize, usize, &Point),
+        take: &mut dyn FnMut(usize, Vec<Output>),
+    ) -> Option<()> {
+        self.run(unpacked, |run| self.data.runs[run].len(), visit, take)
+    }
+
+    /// Runs the predictor over the first `rows` of each run.
+    fn run(
+        &self,
+        unpacked: &Unpacked,
+        rows: impl Fn(usize) -> usize,
+        mut visit: impl FnMut(usize, usize, &Point),
+        take: &mut dyn FnMut(usize, Vec<Output>),
+    ) -> Option<()> {
+        let mut sampled: Option<(f64, PitchModel<'_>, Gains)> = None;
+        for (index, run) in self.data.runs.iter().enumerate() {
+            if !sampled.as_ref().is_some_and(|(step, ..)| *step == run.step) {
+                let model = self.model(unpacked, run.step)?;
+                let gain = model.gain(&unpacked.disturbance, run)?;
+                sampled = Some((run.step, model, gain));
+            }
+            let (_, model, gain) = sampled.as_ref()?;
+            take(index, model.innovations(run, gain, rows(index), |k, point| visit(index, k, point))?);
+        }
+        Some(())
+    }
+
+    /// The sampled model for a sample period.
+    pub fn model<'u>(&self, unpacked: &'u Unpacked, step: f64) -> Option<PitchModel<'u>> {
+        PitchModel::new(&unpacked.plant, &unpacked.terms, &unpacked.disturbance, step, &self.sizes)
+    }
+
+    /// Puts the one measured channel first.
+    pub fn pack(&self, e: Output) -> Output {
+        if self.data.has_rate { e } else { [e[1], 0.0] }
+    }
+}
+
+fn coordinate(name: &str, unit: &str, bounds: [f64; 2], log: bool, unit_step: f64) -> Coordinate {
+    Coordinate { name: name.into(), unit: unit.into(), bounds, log, unit_step, prior: None }
+}
+
+/// Undamped frequency in Hz and damping ratio of a mount.
+pub fn mode_of(mount: &Mount) -> (f64, f64) {
+    let omega = (mount.stiffness / mount.inertia).sqrt();
+    (omega / core::f64::consts::TAU, mount.damping / (2.0 * mount.inertia * omega))
+}

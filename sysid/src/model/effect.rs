@@ -1,0 +1,152 @@
+//! Effects: physics that a pitch model may leave out, as hooks into the simulation of
+//! [`PitchModel`](super::pitch::PitchModel). Every hook has a neutral default, so that an effect says only what it changes.
+//! Symbols as in the crate's documentation: u_c is the command after the delay, u_a what the blades do, M the pitch moment.
+
+use super::noise::Gust;
+use super::pitch::Output;
+use super::plant::Plant;
+pub use crate::dataset::Amplitudes;
+use crate::dataset::Dataset;
+use crate::model::baseline::Baseline;
+
+/// Where in the loop an effect sits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Locus {
+    /// Between the command and the moment of the rotors.
+    Actuator,
+    /// A moment on the airframe, or its inertia.
+    PitchMoment,
+    /// Between the motion and the logged measurement.
+    Sensor,
+    /// Time stamps and transport delays.
+    Timing,
+    /// A moment that the input does not cause.
+    Environment,
+}
+
+/// How a parameter is searched: on its own scale, or on the logarithm of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// Linear, with the step that counts as "one unit".
+    Linear(f64),
+    /// Logarithmic: positive parameters that range over decades.
+    Log,
+}
+
+/// A parameter of an effect, within its physical bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name, as in the JSON answer and in model files.
+    pub name: &'static str,
+    /// Unit of the vehicle's own recordings (rad, N m, s).
+    pub unit: &'static str,
+    /// Lowest value physics allows.
+    pub lower: f64,
+    /// Highest value worth searching.
+    pub upper: f64,
+    /// How it is searched.
+    pub scale: Scale,
+}
+
+/// What an effect may depend on besides the state: the conditions of one simulation step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Conditions {
+    /// Time since the start of the recording, s.
+    pub t: f64,
+    /// Length of the step, s.
+    pub dt: f64,
+    /// Roll rate p, rad/s; zero where it was not measured.
+    pub roll_rate: f64,
+    /// Yaw rate r, rad/s.
+    pub yaw_rate: f64,
+    /// Roll angle φ, rad.
+    pub roll: f64,
+    /// A pitch rate that counts as rest, rad/s: where a sign change is smoothed.
+    pub small_rate: f64,
+    /// The delayed command u_c, mean over the step.
+    pub command: f64,
+    /// Sizes of the signals.
+    pub sizes: Amplitudes,
+}
+
+/// What an effect is called, and how it is told to a person.
+#[derive(Clone, Copy, Debug)]
+pub struct About {
+    /// Name in the JSON answer and in model files.
+    pub id: &'static str,
+    /// Where it sits.
+    pub locus: Locus,
+    /// What it is, as the end of the sentence "what is missing is that ...".
+    pub sentence: &'static str,
+    /// The term it adds, in our symbols.
+    pub equation: &'static str,
+    /// The variable that the residual depends on most when the effect is left out.
+    pub variable: &'static str,
+    /// When it shows, in words.
+    pub condition: &'static str,
+}
+
+/// One piece of physics that the baseline leaves out.
+pub trait Effect: Sync {
+    /// What it is called and how it is told.
+    fn about(&self) -> About;
+    /// Its parameters with bounds that suit the signals at hand.
+    fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter>;
+    /// Where the search for the parameters starts, one or more vectors.
+    fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>>;
+    /// Whether it can be asked for at all with this baseline and these signals.
+    fn applies(&self, _baseline: &Baseline, _data: &Dataset) -> bool {
+        true
+    }
+    /// Index of the parameter that is a moment in time from which on the effect acts: the likelihood has many minima over
+    /// it, and kinks.
+    fn begins_at(&self) -> Option<usize> {
+        None
+    }
+    /// Number of states of its own (0, 1 or 2).
+    fn states(&self) -> usize {
+        0
+    }
+    /// Whether it acts on the motion, or is moved by it, within a sample: then samples are cut into substeps.
+    fn within_sample(&self) -> bool {
+        false
+    }
+    /// Changes parameters of the plant.
+    fn plant(&self, _p: &[f64], _plant: &mut Plant) {}
+    /// Time constant of a first-order filter between the rate at the IMU and its measurement, s.
+    fn gyro_lag(&self, _p: &[f64]) -> Option<f64> {
+        None
+    }
+    /// A random moment for the noise model.
+    fn gust(&self, _p: &[f64]) -> Option<Gust> {
+        None
+    }
+    /// Delay of the input beyond the plant's, s.
+    fn delay(&self, _p: &[f64], _at: &Conditions) -> f64 {
+        0.0
+    }
+    /// u_c → u_a, the mean over one step, with its own states `s`.
+    fn actuate(&self, _p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
+        u
+    }
+    /// Moment added to the airframe, N m, at pitch rate `q` and angle `theta`, with its own states `s`.
+    fn moment(&self, _p: &[f64], _s: &[f64], _q: f64, _theta: f64, _at: &Conditions) -> f64 {
+        0.0
+    }
+    /// Factor on the pitch inertia.
+    fn inertia(&self, _p: &[f64], _at: &Conditions) -> f64 {
+        1.0
+    }
+    /// Rate added to θ̇, rad/s, at pitch rate `q`.
+    fn angle_rate(&self, _p: &[f64], _q: f64, _at: &Conditions) -> f64 {
+        0.0
+    }
+    /// Moves its own states over one step, with the pitch rate `q` in rad/s and angle `theta` in rad at the IMU and the
+    /// acceleration `control` that the control moment gives the airframe in rad/s².
+    fn sense(&self, _p: &[f64], _s: &mut [f64], _q: f64, _theta: f64, _control: f64, _at: &Conditions) {}
+    /// What the log shows of the rate and angle `y` at the IMU.
+    fn measure(&self, _p: &[f64], _s: &[f64], y: Output) -> Output {
+        y
+    }
+}

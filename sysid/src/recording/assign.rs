@@ -1,0 +1,178 @@
+//! Which column of a file plays which role.
+
+use super::columns::{KNOWN_COLUMNS, Role};
+use super::options::ColumnMap;
+use super::{Note, NoteKind};
+use crate::error::{Error, ErrorKind, quote};
+
+/// One column of the file that is read.
+#[derive(Clone, Debug)]
+pub(super) struct Source {
+    pub(super) role: Role,
+    /// Place in the row, from 0.
+    pub(super) index: usize,
+    /// Name in the file's header.
+    pub(super) name: String,
+    /// From the file's unit to SI.
+    pub(super) factor: f64,
+}
+
+impl Source {
+    /// As an option of the reader has it.
+    pub(super) fn as_map(&self) -> ColumnMap {
+        ColumnMap { target: self.role.column().into(), source: self.name.clone(), factor: self.factor }
+    }
+
+    /// The option that multiplies this column by `factor` on top of what is done already.
+    pub(super) fn scaled_by(&self, factor: f64) -> String {
+        self.as_map().option_to_scale(factor)
+    }
+}
+
+/// Assigns the columns of a header; notes what is converted, ignored or replaced.
+pub(super) fn assign(
+    header: &[String],
+    maps: &[ColumnMap],
+    notes: &mut Vec<Note>,
+) -> Result<Vec<Source>, Error> {
+    let mut sources: Vec<Source> = Vec::new();
+    for map in maps {
+        let source = mapped(header, map)?;
+        if let Some(earlier) = sources.iter().find(|s| s.role.same_slot(source.role)) {
+            let found = format!("--column gives {} twice ({}, {})", map.target, earlier.name, source.name);
+            return Err(Error::new(ErrorKind::Options, found, "keep one of the two"));
+        }
+        let (role, name, factor) = (source.role.column(), &source.name, source.factor);
+        let text = format!("{role} is the file's column {} times {factor}, as asked", quote(name));
+        notes.push(Note::new(NoteKind::Converted, text));
+        sources.push(source);
+    }
+    let from_maps = sources.len();
+    for (index, name) in header.iter().enumerate() {
+        let Some((role, factor)) = Role::of(name) else { continue };
+        if sources[..from_maps].iter().any(|s| s.role.same_slot(role)) {
+            continue;
+        }
+        add_own_column(&mut sources, Source { role, index, name: name.clone(), factor })?;
+    }
+    require(&sources, header)?;
+    note_conversions(&sources[from_maps..], notes);
+    note_ignored(header, &sources, notes);
+    Ok(sources)
+}
+
+fn mapped(header: &[String], map: &ColumnMap) -> Result<Source, Error> {
+    let option = format!("--column {}={}", map.target, map.source);
+    let Some((role, unit)) = Role::of(&map.target) else {
+        let found = format!("{option}: {} is not a column of the format", quote(&map.target));
+        let advice = format!("use one of {}", KNOWN_COLUMNS.join(", "));
+        return Err(Error::new(ErrorKind::Options, found, advice));
+    };
+    let mut places = header.iter().enumerate().filter(|(_, name)| **name == map.source);
+    match (places.next(), places.next()) {
+        (Some((index, name)), None) => {
+            Ok(Source { role, index, name: name.clone(), factor: unit * map.factor })
+        }
+        (Some(_), Some(_)) => Err(double_column(&map.source)),
+        (None, _) => {
+            let found = format!("{option}: the file has no column {}", quote(&map.source));
+            let advice = "name a column of the file, in the same upper and lower case";
+            Err(Error::new(ErrorKind::Options, found, advice).expecting(format!("one of {}", listed(header))))
+        }
+    }
+}
+
+fn double_column(name: &str) -> Error {
+    Error::new(ErrorKind::Column, "two columns of this name", "delete or rename one of them").in_column(name)
+}
+
+/// A column in degrees gives way to the same signal in radians; anything else twice is an error.
+fn add_own_column(sources: &mut Vec<Source>, new: Source) -> Result<(), Error> {
+    let Some(position) = sources.iter().position(|s| s.role.same_slot(new.role)) else {
+        sources.push(new);
+        return Ok(());
+    };
+    let old = &sources[position];
+    if old.name == new.name {
+        return Err(double_column(&new.name));
+    }
+    if matches!(new.role, Role::Input(_)) {
+        let found = format!("two input columns, {} and {}", old.name, new.name);
+        let advice = format!("choose one, e.g. --column {0}={0}, or delete the other", old.name);
+        return Err(Error::new(ErrorKind::Column, found, advice).expecting("exactly one input column"));
+    }
+    if new.name == new.role.column() {
+        sources[position] = new;
+    }
+    Ok(())
+}
+
+fn require(sources: &[Source], header: &[String]) -> Result<(), Error> {
+    let has = |wanted: fn(Role) -> bool| sources.iter().any(|s| wanted(s.role));
+    let missing = if !has(|r| r == Role::Time) {
+        (
+            "no column t_s",
+            "t_s, the time of each sample in seconds",
+            "--column t_s=NAME, or --column 't_s=NAME*0.001' for milliseconds",
+        )
+    } else if !has(|r| matches!(r, Role::Input(_))) {
+        (
+            "no input column",
+            "one of u_rad, u_pct, u_V, u_N_m, u_N, u_norm",
+            "--column u_rad=NAME, or another of these with its unit",
+        )
+    } else if !has(|r| matches!(r, Role::Q | Role::Theta)) {
+        (
+            "neither pitch rate nor pitch angle",
+            "q_rad_s or theta_rad (or q_deg_s, theta_deg)",
+            "--column q_rad_s=NAME or --column theta_rad=NAME",
+        )
+    } else {
+        return Ok(());
+    };
+    let (what, expected, option) = missing;
+    let alike = header
+        .iter()
+        .find(|name| KNOWN_COLUMNS.iter().any(|known| known.eq_ignore_ascii_case(name) && known != name));
+    let found = format!("{what} among {}", listed(header));
+    let advice = match alike {
+        Some(name) => {
+            format!("names are case-sensitive: look at {}; or map a column with {option}", quote(name))
+        }
+        None => format!("rename the column, or map it with {option}"),
+    };
+    Err(Error::new(ErrorKind::Column, found, advice).expecting(expected))
+}
+
+/// Column names for a message, cut after the twelfth.
+fn listed(header: &[String]) -> String {
+    const MOST: usize = 12;
+    let mut names: Vec<String> = header
+        .iter()
+        .take(MOST)
+        .map(|name| name.chars().take(40).flat_map(char::escape_debug).collect())
+        .collect();
+    if header.len() > MOST {
+        names.push(format!("and {} more", header.len() - MOST));
+    }
+    names.join(", ")
+}
+
+fn note_conversions(own: &[Source], notes: &mut Vec<Note>) {
+    for source in own.iter().filter(|s| s.name != s.role.column()) {
+        let text = format!("{} was converted from degrees to {}", source.name, source.role.column());
+        notes.push(Note::new(NoteKind::Converted, text));
+    }
+}
+
+fn note_ignored(header: &[String], sources: &[Source], notes: &mut Vec<Note>) {
+    let ignored: Vec<String> = header
+        .iter()
+        .enumerate()
+        .filter(|(index, name)| !name.is_empty() && sources.iter().all(|s| s.index != *index))
+        .map(|(_, name)| name.clone())
+        .collect();
+    if !ignored.is_empty() {
+        notes.push(Note::new(NoteKind::Ignored, format!("columns not used: {}", listed(&ignored))));
+    }
+}
