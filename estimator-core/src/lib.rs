@@ -23,6 +23,8 @@ pub mod supervisor;
 pub mod telemetry;
 pub mod vehicle;
 
+mod config_error;
+
 pub use cause::{Event, Fault, Trip};
 pub use config::{Config, ConfigError};
 pub use convergence::{Convergence, Verdict};
