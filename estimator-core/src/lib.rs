@@ -24,6 +24,7 @@ pub mod telemetry;
 pub mod vehicle;
 
 mod config_error;
+mod input;
 
 pub use cause::{Event, Fault, Trip};
 pub use config::{Config, ConfigError};
