@@ -5,9 +5,9 @@
 //! integrated in equal steps of at most 1 ms. So a delay that is no multiple of Ts is as exact as one that is.
 
 use crate::disturbance::ColouredMoment;
-use crate::effects::{Effect, Motion, RollYaw, Setting};
+use crate::effects::{Effect, Motion, Setting};
 use crate::plant::{Loads, Plant, State};
-use crate::sensors::Reading;
+use crate::reading::{Reading, RollYaw};
 
 /// Ts, s.
 pub const SAMPLE_PERIOD_S: f64 = 0.02;

@@ -22,6 +22,7 @@
 //! | [`effects`] | physics that can be concealed, one file each |
 //! | [`aircraft`] | delay, effects and plant over one tick |
 //! | [`disturbance`], [`sensors`], [`pilot`] | coloured moments, measurement noise, the pilot |
+//! | [`reading`], [`recording`] | what the IMU reads, and the rows that a rig would log |
 //! | [`trial`] | a case of a proof, drawn by a seed: what is concealed, how large, before which background |
 //! | [`calibrate`] | what an effect costs a model that leaves it out, and the size for a given cost |
 //!
@@ -35,6 +36,7 @@ pub mod error;
 pub mod flight;
 pub mod pilot;
 pub mod plant;
+pub mod reading;
 pub mod recording;
 pub mod scenario;
 pub mod seeds;

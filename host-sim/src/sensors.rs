@@ -4,7 +4,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
-use crate::effects::RollYaw;
+use crate::reading::{Reading, RollYaw};
 
 /// Standard deviations of the noise, per sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -45,17 +45,4 @@ impl Noise {
         motion.r += self.q_rad_s * draw();
         motion.phi += self.theta_rad * draw();
     }
-}
-
-/// One reading of the IMU.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reading {
-    /// Pitch rate, rad/s.
-    pub q: f64,
-    /// Pitch angle, rad.
-    pub theta: f64,
-    /// Pitch acceleration, rad/s².
-    pub q_dot: f64,
-    /// Roll and yaw.
-    pub roll_yaw: RollYaw,
 }

@@ -4,11 +4,11 @@ use estimator_core::{Command, Input, Sample, Section, Telemetry, Vehicle};
 use rand_pcg::Pcg64;
 
 use crate::aircraft::{Aircraft, SAMPLE_PERIOD_S};
-use crate::effects::RollYaw;
 use crate::pilot::ManualReference;
 use crate::plant::State;
+use crate::reading::{Reading, RollYaw};
 use crate::recording::Row;
-use crate::sensors::{Noise, Reading};
+use crate::sensors::Noise;
 
 const TICK_US: u64 = 20_000;
 
