@@ -4,7 +4,7 @@ use estimator_core::{Phase, Section};
 use host_sim::calibrate::{Strength, draw_effect, simulate, vaf};
 use host_sim::effects::every;
 use host_sim::sensors::Noise;
-use host_sim::{Background, Plant, Scenario, Setting, fly, size_for_loss};
+use host_sim::{Background, Flight, Plant, Scenario, Setting, fly, size_for_loss};
 
 const EXCITED: [Section; 3] = [Section::I, Section::II, Section::III];
 
@@ -125,4 +125,19 @@ fn a_drawn_effect_costs_what_its_strength_says() {
     assert!((7.0..16.0).contains(&cost), "{first:?} costs {cost}");
     let (again, _) = draw_effect(&scenario, &ids, Strength::Strong).unwrap();
     assert_eq!(format!("{first:?}"), format!("{again:?}"));
+}
+
+/// FNV-1a over the bytes of a recording.
+fn hash(flight: &Flight) -> u64 {
+    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    flight.recording().bytes().fold(0xcbf2_9ce4_8422_2325, step)
+}
+
+#[test]
+fn the_bytes_of_known_flights_stay_what_they_are() {
+    let effects = vec![Setting::usual("gust_disturbance", false).unwrap()];
+    let gust = Scenario { effects, plant: Plant::drawn(1), ..Scenario::campaign(2, 0.012, 1).unwrap() };
+    let paper = Scenario { background: Background::Paper, ..Scenario::campaign(4, 0.019, 7).unwrap() };
+    assert_eq!(hash(&fly(&gust).unwrap()), 0x5d6b_42f6_0091_d572);
+    assert_eq!(hash(&fly(&paper).unwrap()), 0x1090_599c_b268_bc3c);
 }
