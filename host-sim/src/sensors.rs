@@ -30,6 +30,12 @@ impl Noise {
         Self { q_rad_s: 0.0, theta_rad: 0.0, qdot_rad_s2: 0.0 }
     }
 
+    /// The same noise, that of the gyros `factor` times as strong.
+    #[must_use]
+    pub fn with_gyros_times(&self, factor: f64) -> Self {
+        Self { q_rad_s: factor * self.q_rad_s, ..*self }
+    }
+
     /// Adds one sample of noise.
     pub fn add(&self, reading: &mut Reading, generator: &mut Pcg64) {
         let mut draw = || -> f64 { StandardNormal.sample(generator) };
