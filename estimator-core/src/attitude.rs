@@ -20,7 +20,7 @@
 //!
 //! Cost: 4 bytes of state, 5 multiplications.
 
-use crate::config::{ConfigError, within};
+use crate::config_error::{ConfigError, within};
 use crate::constants::SAMPLE_PERIOD_S;
 
 /// Gains and limits in SI units.

@@ -4,16 +4,15 @@
 //! checks every field against its legal range and returns the form that the cycle runs on. Nothing after
 //! `build` can fail.
 
-use core::fmt;
-
 use crate::attitude::AttitudeConfig;
-use crate::constants::TICKS_PER_S;
 use crate::convergence::ConvergenceConfig;
 use crate::cycle::Cycle;
 use crate::lms::LmsConfig;
 use crate::plan::PlanConfig;
 use crate::prbs::PrbsConfig;
 use crate::supervisor::SupervisorConfig;
+
+pub use crate::config_error::ConfigError;
 
 /// Configuration of one test. The default is the paper's campaign 4 at 0.015 rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,47 +49,6 @@ impl Config {
             convergence: self.convergence.build()?,
         })
     }
-}
-
-/// A field of the configuration that lies outside its legal range.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConfigError {
-    /// Path of the field, for example `prbs.dwell_min_s`.
-    pub name: &'static str,
-    /// Its unit; empty for a pure number.
-    pub unit: &'static str,
-    /// The value found.
-    pub found: f32,
-    /// Lowest legal value.
-    pub low: f32,
-    /// Highest legal value.
-    pub high: f32,
-}
-
-impl fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, unit, found, low, high } = self;
-        let space = if unit.is_empty() { "" } else { " " };
-        write!(f, "{name} is {found}{space}{unit}; set it within {low} to {high}{space}{unit}")
-    }
-}
-
-impl core::error::Error for ConfigError {}
-
-/// Ok when `found` is a number within [`low`, `high`].
-pub(crate) fn within(
-    name: &'static str,
-    unit: &'static str,
-    found: f32,
-    [low, high]: [f32; 2],
-) -> Result<(), ConfigError> {
-    // written so that NaN fails
-    if found >= low && found <= high { Ok(()) } else { Err(ConfigError { name, unit, found, low, high }) }
-}
-
-/// Duration in whole ticks, rounded to the nearest.
-pub(crate) fn ticks(seconds: f32) -> u32 {
-    libm::roundf(seconds * TICKS_PER_S) as u32
 }
 
 #[cfg(test)]

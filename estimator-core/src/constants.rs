@@ -12,6 +12,11 @@ pub const TICK_US: u32 = 20_000;
 /// Ticks in one second.
 pub const TICKS_PER_S: f32 = 50.0;
 
+/// Duration in whole ticks, rounded to the nearest.
+pub(crate) fn ticks(seconds: f32) -> u32 {
+    libm::roundf(seconds * TICKS_PER_S) as u32
+}
+
 /// FIR length unless another is asked for: 60 taps are 1.2 s, about two time constants Iyy / |∂M/∂q| = 0.63 s of the airframe.
 pub const TAPS: usize = 60;
 

@@ -31,7 +31,7 @@
 //! Cost: 32 bytes, about 35 operations per update, none of them over N.
 //! Source: Haykin, *Adaptive Filter Theory*, 4th ed., section 5.4 (modes of the weight-error vector).
 
-use crate::config::{ConfigError, within};
+use crate::config_error::{ConfigError, within};
 use crate::constants::SAMPLE_PERIOD_S;
 use crate::lms::{NormalizedLms, Update};
 

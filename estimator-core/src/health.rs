@@ -10,7 +10,7 @@
 //! sensor wants n = 20.
 
 use crate::cause::{Channel, Fault};
-use crate::telemetry::Sample;
+use crate::input::Sample;
 
 /// Limits on samples, checked by the supervisor's `build`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -23,6 +23,9 @@ pub mod supervisor;
 pub mod telemetry;
 pub mod vehicle;
 
+mod config_error;
+mod input;
+
 pub use cause::{Event, Fault, Trip};
 pub use config::{Config, ConfigError};
 pub use convergence::{Convergence, Verdict};

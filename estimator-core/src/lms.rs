@@ -31,7 +31,7 @@
 //! Cost: 12 N + 96 bytes; 4 n + 20 operations per sample, 5 n with leakage.
 //! Source: Nagumo, Noda, 1967; Haykin, *Adaptive Filter Theory*, 4th ed., table 6.1.
 
-use crate::config::{ConfigError, within};
+use crate::config_error::{ConfigError, within};
 use crate::constants::{MAX_INPUT_DELAY, TAPS};
 use crate::delay_line::DelayLine;
 

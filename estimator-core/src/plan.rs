@@ -7,7 +7,8 @@
 
 use core::fmt;
 
-use crate::config::{ConfigError, ticks, within};
+use crate::config_error::{ConfigError, within};
+use crate::constants::ticks;
 
 /// Label of a part of a test, as in the recordings.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]

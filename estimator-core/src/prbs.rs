@@ -20,7 +20,7 @@
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::Rng;
 
-use crate::config::{ConfigError, within};
+use crate::config_error::{ConfigError, within};
 use crate::constants::{SAMPLE_PERIOD_S, TICK_US};
 
 /// Excitation in SI units.

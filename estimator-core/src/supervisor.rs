@@ -39,9 +39,10 @@
 //! can build up.
 
 use crate::cause::{Event, Fault, Trip};
-use crate::config::{ConfigError, ticks, within};
+use crate::config_error::{ConfigError, within};
+use crate::constants::ticks;
 use crate::health::{Health, HealthState};
-use crate::telemetry::{Command, Input, Sample};
+use crate::input::{Command, Input, Sample};
 
 /// Limits in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,9 +5,9 @@
 //! integrated in equal steps of at most 1 ms. So a delay that is no multiple of Ts is as exact as one that is.
 
 use crate::disturbance::ColouredMoment;
-use crate::effects::{Effect, Motion, RollYaw, Setting};
+use crate::effects::{Effect, Motion, Setting};
 use crate::plant::{Loads, Plant, State};
-use crate::sensors::Reading;
+use crate::reading::{Reading, RollYaw};
 
 /// Ts, s.
 pub const SAMPLE_PERIOD_S: f64 = 0.02;
@@ -23,6 +23,10 @@ pub struct Aircraft {
     state: State,
     commands: Vec<f64>,
     q_dot: f64,
+    /// Command at which background and gyro noise have their full strength, where they grow with it, rad.
+    full_at: Option<f64>,
+    /// Command that reaches the servo, rad.
+    arrived: f64,
 }
 
 impl Aircraft {
@@ -30,7 +34,22 @@ impl Aircraft {
     #[must_use]
     pub fn new(plant: Plant, effects: &[Setting], background: Option<ColouredMoment>, seed: u64) -> Self {
         let effects = effects.iter().map(|setting| setting.build(seed)).collect();
-        Self { plant, effects, background, state: State::default(), commands: Vec::new(), q_dot: 0.0 }
+        let (state, commands) = (State::default(), Vec::new());
+        Self { plant, effects, background, state, commands, q_dot: 0.0, full_at: None, arrived: 0.0 }
+    }
+
+    /// Lets background moment and gyro noise grow with the command, to their full strength at `amplitude_rad`; at
+    /// an amplitude of nought they stay as they are.
+    #[must_use]
+    pub fn growing_with_command(self, amplitude_rad: f64) -> Self {
+        Self { full_at: (amplitude_rad > 0.0).then_some(amplitude_rad), ..self }
+    }
+
+    /// Strength of the background moment and of the gyro's noise: (1 + |u| / a) / 2, u the command that reaches the
+    /// servo, where they grow with it to the amplitude a; 1 where they do not.
+    #[must_use]
+    pub fn strength(&self) -> f64 {
+        self.full_at.map_or(1.0, |amplitude| (1.0 + self.arrived.abs() / amplitude) / 2.0)
     }
 
     /// The true state.
@@ -118,12 +137,14 @@ impl Aircraft {
         }
         let steps = (length / STEP_S - 1e-6).ceil().max(1.0) as u32;
         let dt = length / f64::from(steps);
+        self.arrived = command;
+        let strength = self.strength();
         for step in 0..steps {
             let t = from + f64::from(step) * dt;
             let blade = self.effects.iter_mut().fold(command, |u, effect| effect.blade(t, u, dt));
             let plant = self.plant_at(t);
             let middle = t + dt / 2.0;
-            let background = self.background.as_ref().map_or(0.0, |b| b.at(middle));
+            let background = strength * self.background.as_ref().map_or(0.0, |b| b.at(middle));
             let moment =
                 |x: &State| background + self.effects.iter().map(|e| e.moment(middle, x, blade)).sum::<f64>();
             let before = self.state;
@@ -144,6 +165,8 @@ impl Aircraft {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::disturbance::Colour;
+    use crate::seeds::{Stream, generator};
 
     const RIGID: Plant = Plant { mount: None, dm_dq: 0.0, ..Plant::nominal() };
 
@@ -180,6 +203,39 @@ mod tests {
         assert_eq!(aircraft.read().q, 0.0);
         aircraft.advance(0.01);
         assert!((aircraft.read().q - 0.02 * 23.0 * 0.01 / 0.1705).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_background_that_grows_with_the_command_is_half_as_strong_at_rest_and_full_at_the_amplitude() {
+        const AMPLITUDE: f64 = 0.015;
+        let moment = || {
+            let colour = Colour::BandPass { omega: 5.0, zeta: 0.4 };
+            Some(ColouredMoment::new(0.05, colour, generator(1, Stream::Background)))
+        };
+        let plant = Plant { delay_s: 0.0, ..RIGID };
+        let flown = |mut aircraft: Aircraft, u: f64| {
+            (0..50).for_each(|_| aircraft.advance(u));
+            aircraft.state().q
+        };
+        for (u, strength) in [(0.0, 0.5), (AMPLITUDE, 1.0), (-AMPLITUDE, 1.0), (3.0 * AMPLITUDE, 2.0)] {
+            let bare = flown(Aircraft::new(plant, &[], None, 1), u);
+            let plain = flown(Aircraft::new(plant, &[], moment(), 1), u) - bare;
+            let grown =
+                flown(Aircraft::new(plant, &[], moment(), 1).growing_with_command(AMPLITUDE), u) - bare;
+            assert!((grown - strength * plain).abs() < 1e-12, "{u}");
+        }
+    }
+
+    #[test]
+    fn the_strength_is_that_of_the_command_that_reaches_the_servo() {
+        let mut aircraft = Aircraft::new(RIGID, &[], None, 0).growing_with_command(0.015);
+        let strengths = [0; 5].map(|_| {
+            aircraft.advance(0.015);
+            aircraft.strength()
+        });
+        // three ticks of delay
+        assert_eq!(strengths, [0.5, 0.5, 0.5, 1.0, 1.0]);
+        assert_eq!(Aircraft::new(RIGID, &[], None, 0).growing_with_command(0.0).strength(), 1.0);
     }
 
     #[test]

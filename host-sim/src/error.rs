@@ -17,6 +17,14 @@ pub enum Error {
         /// The names there are.
         known: String,
     },
+    /// No air of this name.
+    #[error("no air is called `{word}`; it is one of {known}")]
+    UnknownAir {
+        /// The word asked for.
+        word: String,
+        /// The words there are.
+        known: String,
+    },
     /// A parameter is missing, unknown or no number.
     #[error("effect `{id}`: {problem}")]
     Parameter {

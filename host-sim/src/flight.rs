@@ -7,6 +7,7 @@ use std::path::Path;
 
 use rand::RngExt;
 
+use crate::air::Air;
 use crate::aircraft::{Aircraft, SAMPLE_PERIOD_S};
 use crate::disturbance::{Colour, ColouredMoment};
 use crate::effects::SettingTruth;
@@ -62,10 +63,16 @@ pub struct Truth {
     pub events: Vec<(f64, String)>,
 }
 
-/// The band-passed moment.
+/// Corner of the third pole, as a multiple of the band's centre.
+const CORNER: f64 = 1.5;
+
+/// The background moment; with an air whose noise grows with the command, that noise too.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BackgroundTruth {
     level: Background,
+    /// Its kind; not told where it is the usual one.
+    #[serde(skip_serializing_if = "Air::is_usual")]
+    pub air: Air,
     /// Standard deviation, N m.
     pub sigma: f64,
     /// Centre, rad/s.
@@ -91,7 +98,10 @@ fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Er
     let mut state = cycle.initial_state();
     let length_s = f64::from(plan.closed_loop_s);
     let reference = ManualReference::drawn(length_s, &mut generator(seed, Stream::Reference));
-    let aircraft = Aircraft::new(plant, effects, background.moment(seed), seed);
+    let mut aircraft = Aircraft::new(plant, effects, background.moment(seed), seed);
+    if background.air == Air::GrowsWithCommand {
+        aircraft = aircraft.growing_with_command(f64::from(scenario.amplitude_rad));
+    }
     let log = Aircraft::new(plant, effects, None, seed);
     let mut vehicle = SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference);
     if scenario.roll_yaw_logged || log.roll_yaw(0.0).is_some() {
@@ -137,24 +147,31 @@ fn stamp_commands(rows: &mut Vec<Row>, sent: &[f32], logged_at: impl Fn(f64) -> 
 
 impl BackgroundTruth {
     fn moment(&self, seed: u64) -> Option<ColouredMoment> {
-        let colour = Colour::BandPass { omega: self.omega_rad_s, zeta: self.zeta };
+        let (omega, zeta) = (self.omega_rad_s, self.zeta);
+        let colour = match self.air {
+            Air::ThreePoles => Colour::ThreePoles { omega, zeta, corner: CORNER * omega },
+            Air::BandPassed | Air::HeavyTailed | Air::GrowsWithCommand => Colour::BandPass { omega, zeta },
+        };
+        let strengths = generator(seed, Stream::Strength);
         let mut generator = generator(seed, Stream::Background);
         // its first two numbers made the spectrum
         let _: [f64; 2] = [generator.random(), generator.random()];
-        (self.sigma > 0.0).then(|| ColouredMoment::new(self.sigma, colour, generator))
+        let moment = (self.sigma > 0.0).then(|| ColouredMoment::new(self.sigma, colour, generator))?;
+        Some(if self.air == Air::HeavyTailed { moment.wandering(strengths) } else { moment })
     }
 }
 
 /// Draws the spectrum (ω in 3..7 rad/s, ζ in 0.3..0.6) and sizes the moment for the share `v` that the true
 /// model is to explain: with P the power of q without the moment, n² the noise in it, and w the power that a
-/// unit moment adds, v = (P − n²) / (P + σ² w).
+/// unit moment adds, v = (P − n²) / (P + σ² w). The size is that for the usual air, and of any other the same.
 fn size_background(scenario: &Scenario) -> Result<BackgroundTruth, Error> {
     let mut generator = generator(scenario.seed, Stream::Background);
     let [first, second]: [f64; 2] = [generator.random(), generator.random()];
     let level = scenario.background;
-    let silent =
-        BackgroundTruth { level, sigma: 0.0, omega_rad_s: 3.0 + 4.0 * first, zeta: 0.3 + 0.3 * second };
-    let Some(share) = level.explainable() else { return Ok(silent) };
+    let (omega_rad_s, zeta) = (3.0 + 4.0 * first, 0.3 + 0.3 * second);
+    let silent = BackgroundTruth { level, air: Air::default(), sigma: 0.0, omega_rad_s, zeta };
+    let air = scenario.air;
+    let Some(share) = level.explainable() else { return Ok(BackgroundTruth { air, ..silent }) };
 
     let undisturbed = fly_in(scenario, silent)?;
     let excited = undisturbed.rows.iter().filter(|row| row.section.sequence().is_some());
@@ -169,7 +186,7 @@ fn size_background(scenario: &Scenario) -> Result<BackgroundTruth, Error> {
         shaken.state().q_p
     }));
     let sigma = ((caused / share - total).max(0.0) / added).sqrt();
-    Ok(BackgroundTruth { sigma, ..silent })
+    Ok(BackgroundTruth { air, sigma, ..silent })
 }
 
 fn variance(values: impl Iterator<Item = f64>) -> f64 {

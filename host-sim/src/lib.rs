@@ -16,17 +16,20 @@
 //!
 //! | module | what |
 //! | --- | --- |
-//! | [`scenario`] | what to fly: dwell, amplitude, seed, plant, effects, background |
+//! | [`scenario`] | what to fly: dwell, amplitude, seed, plant, effects, background, air |
 //! | [`flight`] | flies it; recording and truth |
 //! | [`plant`] | the grey-box plant and its integration, with sticking friction |
 //! | [`effects`] | physics that can be concealed, one file each |
 //! | [`aircraft`] | delay, effects and plant over one tick |
 //! | [`disturbance`], [`sensors`], [`pilot`] | coloured moments, measurement noise, the pilot |
+//! | [`air`] | kinds of background |
+//! | [`reading`], [`recording`] | what the IMU reads, and the rows that a rig would log |
 //! | [`trial`] | a case of a proof, drawn by a seed: what is concealed, how large, before which background |
 //! | [`calibrate`] | what an effect costs a model that leaves it out, and the size for a given cost |
 //!
 //! Everything random hangs on the scenario's seed: the same scenario gives the same bytes.
 
+pub mod air;
 pub mod aircraft;
 pub mod calibrate;
 pub mod disturbance;
@@ -35,6 +38,7 @@ pub mod error;
 pub mod flight;
 pub mod pilot;
 pub mod plant;
+pub mod reading;
 pub mod recording;
 pub mod scenario;
 pub mod seeds;
@@ -42,6 +46,7 @@ pub mod sensors;
 pub mod trial;
 pub mod vehicle;
 
+pub use air::Air;
 pub use calibrate::{cost_of_leaving_out, size_for_loss};
 pub use effects::{CATALOGUE, OUTSIDE, Setting, UNTOUCHED};
 pub use error::Error;

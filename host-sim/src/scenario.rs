@@ -6,13 +6,15 @@ use estimator_core::plan::PlanConfig;
 use estimator_core::prbs::PrbsConfig;
 use serde::{Deserialize, Serialize};
 
+use crate::air::Air;
 use crate::effects::Setting;
 use crate::error::Error;
 use crate::plant::Plant;
 use crate::sensors::Noise;
 
 /// How much of the pitch rate nothing in the model causes: a band-passed moment, sized so that the true model,
-/// simulated along the recorded input, reaches a given VAF in sections I to III.
+/// simulated along the recorded input, reaches a given VAF in sections I to III. [`Air`] is the kind of moment; the
+/// size is that for the usual one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Background {
@@ -55,6 +57,8 @@ pub struct Scenario {
     pub effects: Vec<Setting>,
     /// Disturbance that is always there.
     pub background: Background,
+    /// Kind of that disturbance.
+    pub air: Air,
     /// Noise of the IMU.
     pub noise: Noise,
     /// Whether roll and yaw are logged even where they are clamped, as noise; where they are free they always are.
@@ -78,6 +82,7 @@ impl Scenario {
             plant: Plant::nominal(),
             effects: Vec::new(),
             background: Background::default(),
+            air: Air::default(),
             noise: Noise::default(),
             roll_yaw_logged: false,
             plan: PlanConfig::default(),

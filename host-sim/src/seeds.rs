@@ -20,6 +20,8 @@ pub enum Stream {
     Effect = 6,
     /// Sensor noise about the other axes.
     RollYaw = 7,
+    /// Strength of the background, where it wanders.
+    Strength = 8,
 }
 
 /// Generator of `stream` for `seed`.

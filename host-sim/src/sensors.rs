@@ -4,7 +4,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
-use crate::effects::RollYaw;
+use crate::reading::{Reading, RollYaw};
 
 /// Standard deviations of the noise, per sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -30,6 +30,12 @@ impl Noise {
         Self { q_rad_s: 0.0, theta_rad: 0.0, qdot_rad_s2: 0.0 }
     }
 
+    /// The same noise, that of the gyros `factor` times as strong.
+    #[must_use]
+    pub fn with_gyros_times(&self, factor: f64) -> Self {
+        Self { q_rad_s: factor * self.q_rad_s, ..*self }
+    }
+
     /// Adds one sample of noise.
     pub fn add(&self, reading: &mut Reading, generator: &mut Pcg64) {
         let mut draw = || -> f64 { StandardNormal.sample(generator) };
@@ -45,17 +51,4 @@ impl Noise {
         motion.r += self.q_rad_s * draw();
         motion.phi += self.theta_rad * draw();
     }
-}
-
-/// One reading of the IMU.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reading {
-    /// Pitch rate, rad/s.
-    pub q: f64,
-    /// Pitch angle, rad.
-    pub theta: f64,
-    /// Pitch acceleration, rad/s².
-    pub q_dot: f64,
-    /// Roll and yaw.
-    pub roll_yaw: RollYaw,
 }

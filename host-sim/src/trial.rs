@@ -12,6 +12,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
+use crate::air::Air;
 use crate::calibrate::{Strength, cost_in, nearest_for_loss, simulate, vaf};
 use crate::effects::{CATALOGUE, Entry, OUTSIDE, Setting, UNTOUCHED};
 use crate::error::Error;
@@ -120,6 +121,14 @@ impl Trial {
         }
         let kind = if untouched { Kind::Untouched } else { kind };
         Ok(Self { kind, entries, strength, scenario, generator })
+    }
+
+    /// The same case in another air: plant, excitation, noise and ids are drawn alike; the sizes are those that cost
+    /// what they should in that air.
+    #[must_use]
+    pub fn with_air(mut self, air: Air) -> Self {
+        self.scenario.air = air;
+        self
     }
 
     /// Sizes what is concealed, and flies the test. An effect that cannot cost what it should, at any parameters
@@ -246,6 +255,18 @@ mod tests {
         let pairs = (0..600).map(|number| Trial::new(1, number).unwrap()).filter(|t| t.kind == Kind::Pair);
         assert!(pairs.clone().all(|t| t.entries[0].id != t.entries[1].id));
         assert_eq!(pairs.count(), 100);
+    }
+
+    #[test]
+    fn a_case_is_flown_in_the_air_it_is_given() {
+        let [usual, other] = [Air::BandPassed, Air::ThreePoles].map(|air| {
+            let trial = Trial::new(3, 1).unwrap().with_air(air);
+            trial.fly().unwrap()
+        });
+        assert_eq!(other.flight.truth.background.air, Air::ThreePoles);
+        assert_eq!(usual.flight.truth.background.sigma, other.flight.truth.background.sigma);
+        assert_eq!(usual.scenario.plant, other.scenario.plant);
+        assert_ne!(usual.flight.recording(), other.flight.recording());
     }
 
     #[test]

@@ -4,11 +4,11 @@ use estimator_core::{Command, Input, Sample, Section, Telemetry, Vehicle};
 use rand_pcg::Pcg64;
 
 use crate::aircraft::{Aircraft, SAMPLE_PERIOD_S};
-use crate::effects::RollYaw;
 use crate::pilot::ManualReference;
 use crate::plant::State;
+use crate::reading::{Reading, RollYaw};
 use crate::recording::Row;
-use crate::sensors::{Noise, Reading};
+use crate::sensors::Noise;
 
 const TICK_US: u64 = 20_000;
 
@@ -62,10 +62,11 @@ impl SimulatedVehicle {
 impl Vehicle for SimulatedVehicle {
     fn sense(&mut self, tick: u32) -> Input {
         self.reading = self.aircraft.read();
-        self.noise.add(&mut self.reading, &mut self.generator);
+        let noise = self.noise.with_gyros_times(self.aircraft.strength());
+        noise.add(&mut self.reading, &mut self.generator);
         self.aircraft.limit(&mut self.reading);
         if let Some(generator) = &mut self.roll_yaw_generator {
-            self.noise.add_roll_yaw(&mut self.reading.roll_yaw, generator);
+            noise.add_roll_yaw(&mut self.reading.roll_yaw, generator);
         }
         self.states.push(self.aircraft.state());
         let now_us = u64::from(tick) * TICK_US;
@@ -102,5 +103,39 @@ impl Vehicle for SimulatedVehicle {
             theta_ref_rad: telemetry.theta_ref_rad,
             roll_yaw: self.roll_yaw_generator.as_ref().map(|_| [p as f32, r as f32, phi as f32]),
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::Plant;
+    use crate::seeds::{Stream, generator};
+
+    #[test]
+    fn noise_that_grows_with_the_command_is_drawn_alike_and_spares_the_angle() {
+        const AMPLITUDE: f64 = 0.015;
+        // the state is put back before every reading, so that what is read is noise
+        let read = |aircraft: Aircraft, u: f64| {
+            let [noise, reference] = [Stream::Sensors, Stream::Reference].map(|stream| generator(3, stream));
+            let pilot = ManualReference::drawn(10.0, &mut { reference });
+            let mut vehicle = SimulatedVehicle::new(aircraft, Noise::default(), noise, pilot);
+            let readings = (0..20).map(|tick| {
+                vehicle.aircraft.set_state(State::default());
+                let sample = vehicle.sense(tick).sample.unwrap();
+                vehicle.actuate(u as f32);
+                (sample.q_rad_s, sample.theta_rad)
+            });
+            readings.collect::<Vec<_>>()
+        };
+        let bare = || Aircraft::new(Plant { delay_s: 0.0, ..Plant::nominal() }.rigid(), &[], None, 0);
+        let plain = read(bare(), 0.0);
+        for (u, strength) in [(0.0, 0.5), (AMPLITUDE, 1.0), (3.0 * AMPLITUDE, 2.0)] {
+            let grown = read(bare().growing_with_command(AMPLITUDE), u);
+            for ((q, theta), (plain_q, plain_theta)) in grown.into_iter().zip(&plain).skip(1) {
+                assert!((q - strength * plain_q).abs() < 1e-6, "{u}: {q} {plain_q}");
+                assert_eq!(theta, *plain_theta, "{u}");
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Offset of the rate: q_meas = q + b.
 
 use super::{Effect, Entry, Parameter};
-use crate::sensors::Reading;
+use crate::reading::Reading;
 
 pub(super) const ENTRY: Entry = Entry {
     id: "gyro_bias",

@@ -1,7 +1,7 @@
 //! Low-pass filter of the gyro: T q̇_meas = q − q_meas.
 
 use super::{Effect, Entry, Motion, Parameter};
-use crate::sensors::Reading;
+use crate::reading::Reading;
 
 pub(super) const ENTRY: Entry = Entry {
     id: "gyro_lag",

@@ -1,7 +1,7 @@
 //! The rate clips: |q_meas| ≤ q_max, noise included.
 
 use super::{Effect, Entry, Parameter};
-use crate::sensors::Reading;
+use crate::reading::Reading;
 
 pub(super) const ENTRY: Entry = Entry {
     id: "gyro_saturation",

@@ -1,7 +1,7 @@
 //! Gain of the rate is wrong, so θ̇ and q disagree: q_meas = (1 + s) q.
 
 use super::{Effect, Entry, Parameter};
-use crate::sensors::Reading;
+use crate::reading::Reading;
 
 pub(super) const ENTRY: Entry = Entry {
     id: "gyro_scale",

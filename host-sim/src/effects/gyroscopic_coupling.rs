@@ -7,8 +7,9 @@ use rand_pcg::Pcg64;
 use std::cell::Cell;
 use std::f64::consts::TAU;
 
-use super::{Effect, Entry, Parameter, RollYaw};
+use super::{Effect, Entry, Parameter};
 use crate::plant::State;
+use crate::reading::RollYaw;
 use crate::seeds::{Stream, generator};
 
 pub(super) const ENTRY: Entry = Entry {

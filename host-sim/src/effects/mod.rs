@@ -52,7 +52,7 @@ use std::fmt;
 
 use crate::error::Error;
 use crate::plant::{Plant, State};
-use crate::sensors::Reading;
+use crate::reading::{Reading, RollYaw};
 
 pub use setting::{Setting, SettingTruth};
 
@@ -180,17 +180,6 @@ pub struct Motion {
     pub before: State,
     /// The state at its end.
     pub after: State,
-}
-
-/// Motion about the other axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RollYaw {
-    /// Roll rate, rad/s.
-    pub p: f64,
-    /// Yaw rate, rad/s.
-    pub r: f64,
-    /// Roll angle, rad.
-    pub phi: f64,
 }
 
 /// One effect of a list.

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::unlisted::SHAPES;
 use super::{Effect, Entry, Parameter};
 use crate::error::Error;
-use crate::sensors::Reading;
+use crate::reading::Reading;
 
 /// An effect with its parameters: what is concealed.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 
 use super::oscillator::Oscillator;
 use super::{Effect, Entry, Motion, Parameter};
-use crate::sensors::Reading;
+use crate::reading::Reading;
 
 pub(super) const ENTRY: Entry = Entry {
     id: "structural_mode",

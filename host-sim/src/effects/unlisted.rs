@@ -9,7 +9,7 @@
 
 use super::{Effect, Entry, Motion, Parameter};
 use crate::plant::State;
-use crate::sensors::Reading;
+use crate::reading::Reading;
 
 /// The terms by shape.
 pub(super) const SHAPES: &[Entry] = &[

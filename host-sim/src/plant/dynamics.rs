@@ -14,8 +14,8 @@
 //! would carry q through zero is cut at the crossing; there the airframe sticks if the other moments stay
 //! within Mc, and goes on in their direction if not. No smoothing, no velocity threshold.
 
-use crate::effects::RollYaw;
 use crate::plant::{Mount, Plant};
+use crate::reading::RollYaw;
 
 /// x = (q, qP, θ, θP), rad/s and rad: airframe, and IMU on its mount.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -5,7 +5,9 @@ use crate::output;
 use clap::{Args, ValueEnum};
 use estimator_core::Phase;
 use host_sim::effects::{Entry, Parameter};
-use host_sim::{Background, CATALOGUE, Flight, Mount, OUTSIDE, Plant, Scenario, Setting, UNTOUCHED, fly};
+use host_sim::{
+    Air, Background, CATALOGUE, Flight, Mount, OUTSIDE, Plant, Scenario, Setting, UNTOUCHED, fly,
+};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use sysid::catalogue::model_file::read_model;
@@ -37,6 +39,10 @@ pub struct Arguments {
     /// How much of the motion nothing causes: the true model reaches a VAF of 98, 90 or 75 %
     #[arg(long, value_enum, default_value_t = Level::Lab)]
     background: Level,
+
+    /// Kind of that motion: band_passed, three_poles, heavy_tailed or grows_with_command
+    #[arg(long, value_name = "AIR", default_value_t = Air::default())]
+    air: Air,
 
     /// Fly the plant and the effects of this model file
     #[arg(long, value_name = "FILE.toml")]
@@ -153,6 +159,7 @@ fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
         Level::Lab => Background::Lab,
         Level::Paper => Background::Paper,
     };
+    scenario.air = arguments.air;
     let mut concealed = Vec::new();
     if let Some(path) = &arguments.model {
         let model = read_model(path)?;

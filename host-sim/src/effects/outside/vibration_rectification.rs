@@ -1,7 +1,7 @@
 //! The gyro rectifies the vibration of working rotors: q_meas = q + b ua².
 
 use super::{Effect, Entry, Motion, Parameter};
-use crate::sensors::Reading;
+use crate::reading::Reading;
 
 pub(in crate::effects) const ENTRY: Entry = Entry {
     id: "vibration_rectification",
