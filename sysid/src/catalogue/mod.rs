@@ -19,6 +19,7 @@ mod inflow_lag;
 mod linkage_backlash;
 pub mod model_file;
 mod quadratic_drag;
+pub mod roll_off;
 pub mod scaled_shape;
 mod servo_deadband;
 mod servo_lag;

@@ -12,8 +12,8 @@ use crate::model::pitch::{OWN_STATES, Term};
 use crate::model::plant::{Mount, Plant};
 use std::path::Path;
 
-/// Most states that the effects have which a diagnosis adds: three of the catalogue, and a term without a name.
-const STATES_OF_CANDIDATES: usize = 3 * 2 + 3;
+/// Most states that the effects have which a diagnosis adds: five of the catalogue, and a term without a name.
+const STATES_OF_CANDIDATES: usize = 5 * 2 + 3;
 
 impl Baseline {
     /// The user's simulation from a model file; what the file leaves out is started from the data.

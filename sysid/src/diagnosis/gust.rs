@@ -12,7 +12,7 @@ use crate::likelihood::fit::{FINISH, Fit, refit};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::{About, Effect, Parameter, Scale};
 use crate::model::noise;
-use crate::model::noise::Disturbance;
+use crate::model::noise::{Disturbance, Third};
 use crate::optim::levenberg_marquardt::{Coordinate, covariance, minimize};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -82,8 +82,8 @@ impl Effect for SecondMoment {
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
         Vec::new()
     }
-    fn gust(&self, p: &[f64]) -> Option<noise::Gust> {
-        Some(noise::Gust { sigma: p[0], time_constant: p[1] })
+    fn noise(&self, p: &[f64]) -> Option<Third> {
+        Some(Third::Gust(noise::Gust { sigma: p[0], time_constant: p[1] }))
     }
 }
 
@@ -238,7 +238,7 @@ mod tests {
         damping: 1.7,
         zero: 0.01,
         angle_noise: 1.0,
-        gust: None,
+        third: None,
     };
 
     #[test]
@@ -251,8 +251,9 @@ mod tests {
     #[test]
     fn a_gust_adds_the_spectrum_of_its_variance() {
         let gust = noise::Gust { sigma: 0.3, time_constant: 0.8 };
-        let added =
-            |omega: f64| Disturbance { gust: Some(gust), ..BAND }.spectrum(omega) - BAND.spectrum(omega);
+        let added = |omega: f64| {
+            Disturbance { third: Some(Third::Gust(gust)), ..BAND }.spectrum(omega) - BAND.spectrum(omega)
+        };
         let power: f64 = (0..200_000).map(|i| added(0.01 * (f64::from(i) + 0.5)) * 0.01).sum();
         assert!((power / std::f64::consts::PI - 0.09).abs() < 1e-4, "{power}");
     }

@@ -1,5 +1,6 @@
 //! The likelihood of data under a model: the unknowns, the predictor, fits, free runs.
 
+pub mod evidence;
 pub mod fit;
 pub mod free_run;
 pub mod problem;

@@ -37,7 +37,8 @@ pub struct Unpacked {
 impl Unpacked {
     /// The model that this is, as a file. Terms without a name were fitted to data of these `sizes`.
     pub fn to_model_file(&self, sizes: &Amplitudes) -> ModelFile {
-        let terms: Vec<Term> = self.terms.iter().map(|term| carried(term, sizes)).collect();
+        let physics = self.terms.iter().filter(|term| !term.effect.is_background());
+        let terms: Vec<Term> = physics.map(|term| carried(term, sizes)).collect();
         model_file(&self.plant, &terms)
     }
 }
@@ -81,6 +82,14 @@ impl<'a> Problem<'a> {
     /// Number of numbers that the criterion counts.
     pub fn count(&self) -> usize {
         self.channels() * self.counted.iter().flatten().filter(|&&c| c).count()
+    }
+
+    /// Run and row of every number that the criterion counts, in the order of a fit's residuals.
+    pub fn counted_rows(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let rows = |(run, counted): (usize, &'_ Vec<bool>)| -> Vec<(usize, usize)> {
+            (0..counted.len()).filter(|&k| counted[k]).map(|k| (run, k)).collect()
+        };
+        self.counted.iter().enumerate().flat_map(rows)
     }
 
     /// Number of unknowns of the plant; they come first.
@@ -227,7 +236,7 @@ impl<'a> Problem<'a> {
             damping: next(),
             zero: next(),
             angle_noise: 1.0,
-            gust: None,
+            third: None,
         };
         if self.channels() == 2 {
             disturbance.angle_noise = next();
@@ -235,7 +244,7 @@ impl<'a> Problem<'a> {
         let mut terms = self.baseline.terms.clone();
         for &effect in effects {
             let values: Vec<f64> = effect.parameters(&self.sizes).iter().map(|_| next()).collect();
-            disturbance.gust = disturbance.gust.or_else(|| effect.gust(&values));
+            disturbance.third = disturbance.third.or_else(|| effect.noise(&values));
             terms.push(Term { effect, values });
         }
         Unpacked { plant, disturbance, terms }

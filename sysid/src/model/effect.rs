@@ -2,7 +2,7 @@
 //! [`PitchModel`](super::pitch::PitchModel). Every hook has a neutral default, so that an effect says only what it changes.
 //! Symbols as in the crate's documentation: u_c is the command after the delay, u_a what the blades do, M the pitch moment.
 
-use super::noise::Gust;
+use super::noise::Third;
 use super::pitch::Output;
 use super::plant::Plant;
 pub use crate::dataset::Amplitudes;
@@ -104,6 +104,10 @@ pub trait Effect: Sync {
     fn begins_at(&self) -> Option<usize> {
         None
     }
+    /// Whether it belongs to the background, which every model may have: then it is no finding.
+    fn is_background(&self) -> bool {
+        false
+    }
     /// Number of states of its own (0, 1 or 2).
     fn states(&self) -> usize {
         0
@@ -118,8 +122,8 @@ pub trait Effect: Sync {
     fn gyro_lag(&self, _p: &[f64]) -> Option<f64> {
         None
     }
-    /// A random moment for the noise model.
-    fn gust(&self, _p: &[f64]) -> Option<Gust> {
+    /// A third pole for the noise model.
+    fn noise(&self, _p: &[f64]) -> Option<Third> {
         None
     }
     /// Delay of the input beyond the plant's, s.

@@ -5,7 +5,7 @@ use super::plant::{DISTURBANCE, GUST, State};
 /// Coloured disturbance moment, and the white noise of the sensors, relative to the noise of the first channel.
 ///
 /// The moment has the spectrum S(ω) = σ² (z² + ω²) / ((ω₀² − ω²)² + (2ζω₀ω)²): a low pass for large z, a band pass for
-/// z → 0; two real poles for ζ ≥ 1, a resonance below. A gust adds 2 σw² T / (1 + T²ω²).
+/// z → 0; two real poles for ζ ≥ 1, a resonance below. A gust adds 2 σw² T / (1 + T²ω²), a roll-off divides by 1 + T²ω².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
     /// σ: intensity of the driving noise relative to the noise of the first measured channel.
@@ -18,8 +18,20 @@ pub struct Disturbance {
     pub zero: f64,
     /// Noise of the angle relative to the noise of the rate, s.
     pub angle_noise: f64,
-    /// A gust beside it.
-    pub gust: Option<Gust>,
+    /// A third pole: a gust beside it, or a further roll-off.
+    pub third: Option<Third>,
+}
+
+/// The third pole of the noise model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Third {
+    /// A moment of its own beside the two poles'.
+    Gust(Gust),
+    /// The two poles' moment passes one more low pass, T ẇ = −w + M.
+    RollOff {
+        /// T, s.
+        time_constant: f64,
+    },
 }
 
 /// A moment T ẇ = −w + n'.
@@ -34,18 +46,24 @@ pub struct Gust {
 impl Disturbance {
     /// The moment M_w at state `x`, N m.
     pub fn moment(&self, x: &State) -> f64 {
-        self.zero * x[DISTURBANCE] + x[DISTURBANCE + 1] + x[GUST]
+        match self.third {
+            Some(Third::RollOff { .. }) => x[GUST],
+            _ => self.zero * x[DISTURBANCE] + x[DISTURBANCE + 1] + x[GUST],
+        }
     }
 
     /// Spectral density of the moment at `omega` rad/s, up to the scale of the noise.
     pub fn spectrum(&self, omega: f64) -> f64 {
         let square = |x: f64| x * x;
-        let gust = self.gust.map_or(0.0, |Gust { sigma, time_constant: t }| {
-            2.0 * square(sigma) * t / (1.0 + square(t * omega))
-        });
-        gust + square(self.intensity) * (square(self.zero) + square(omega))
+        let pole = |t: f64| 1.0 / (1.0 + square(t * omega));
+        let poles = square(self.intensity) * (square(self.zero) + square(omega))
             / (square(square(self.frequency) - square(omega))
-                + square(2.0 * self.damping * self.frequency * omega))
+                + square(2.0 * self.damping * self.frequency * omega));
+        match self.third {
+            None => poles,
+            Some(Third::Gust(Gust { sigma, time_constant: t })) => poles + 2.0 * square(sigma) * t * pole(t),
+            Some(Third::RollOff { time_constant }) => poles * pole(time_constant),
+        }
     }
 }
 
@@ -65,7 +83,7 @@ mod tests {
             damping: 0.4,
             zero: 0.8,
             angle_noise: 1.0,
-            gust: Some(gust),
+            third: Some(Third::Gust(gust)),
         };
         let a = plant.state_matrix(0.0, 0.0, &disturbance);
         let mut block = SMatrix::<Complex<f64>, 3, 3>::zeros();

@@ -8,7 +8,7 @@ use super::shift::Shift;
 use super::transition::Transition;
 use crate::dataset::{Amplitudes, Run};
 use crate::model::effect::{Conditions, Effect};
-use crate::model::noise::Disturbance;
+use crate::model::noise::{Disturbance, Third};
 use crate::model::plant::{
     DISTURBANCE, GUST, GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU,
 };
@@ -17,7 +17,7 @@ use nalgebra::{RowSVector, SMatrix};
 /// Longest step of the midpoint rule, s.
 const LONGEST_STEP: f64 = 0.0101;
 /// Room for the effects' own states.
-pub const OWN_STATES: usize = 24;
+pub const OWN_STATES: usize = 28;
 /// A pitch rate is "rest" below this share of its standard deviation.
 const REST: f64 = 0.02;
 /// Leak of an angle that nothing observes, 1/s.
@@ -215,7 +215,7 @@ impl<'a> PitchModel<'a> {
             process += drive * drive.transpose() + later * later.transpose();
         };
         driven(DISTURBANCE + 1, disturbance.intensity);
-        if let Some(gust) = disturbance.gust {
+        if let Some(Third::Gust(gust)) = disturbance.third {
             driven(GUST, gust.sigma * (2.0 / gust.time_constant).sqrt());
         }
         let (rate, angle) = self.measured;

@@ -9,7 +9,7 @@
 //! The state is always (q, qP, θ, θP, qF, x₁, x₂, w), qF the rate behind a gyro's filter and w a gust. Without a mount the IMU sits
 //! rigidly on the airframe and rows qP, θP stay zero; without a filter so does qF.
 
-use super::noise::Disturbance;
+use super::noise::{Disturbance, Third};
 use nalgebra::{SMatrix, SVector};
 
 /// Number of states of the airframe, its mount and the disturbance together.
@@ -94,9 +94,19 @@ impl Plant {
         a[(DISTURBANCE, DISTURBANCE + 1)] = 1.0;
         a[(DISTURBANCE + 1, DISTURBANCE)] = -frequency * frequency;
         a[(DISTURBANCE + 1, DISTURBANCE + 1)] = -2.0 * damping * frequency;
-        if let Some(gust) = disturbance.gust {
-            a[(Q, GUST)] = 1.0 / iyy;
-            a[(GUST, GUST)] = -1.0 / gust.time_constant;
+        match disturbance.third {
+            None => {}
+            Some(Third::Gust(gust)) => {
+                a[(Q, GUST)] = 1.0 / iyy;
+                a[(GUST, GUST)] = -1.0 / gust.time_constant;
+            }
+            Some(Third::RollOff { time_constant }) => {
+                for (column, share) in [(DISTURBANCE, zero), (DISTURBANCE + 1, 1.0), (GUST, -1.0)] {
+                    a[(GUST, column)] = share / time_constant;
+                    a[(Q, column)] = 0.0;
+                }
+                a[(Q, GUST)] = 1.0 / iyy;
+            }
         }
         a
     }

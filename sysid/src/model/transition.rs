@@ -1,12 +1,12 @@
 //! A step of the linear model, as the inner loop of a simulation wants it.
 
-use crate::model::plant::{DISTURBANCE, GUST, STATES, State, StateMatrix};
+use crate::model::plant::{DISTURBANCE, STATES, State, StateMatrix};
 
 /// A state matrix by columns, the disturbance's block apart: it acts on the plant, the plant never on it.
 pub struct Transition {
     on_plant: [[f64; DISTURBANCE]; STATES],
-    on_disturbance: [[f64; 2]; 2],
-    on_gust: f64,
+    /// By rows.
+    on_disturbance: [[f64; 3]; 3],
 }
 
 impl Transition {
@@ -14,10 +14,9 @@ impl Transition {
     pub fn new(matrix: &StateMatrix) -> Self {
         Self {
             on_plant: core::array::from_fn(|j| core::array::from_fn(|i| matrix[(i, j)])),
-            on_disturbance: core::array::from_fn(|j| {
-                core::array::from_fn(|i| matrix[(DISTURBANCE + i, DISTURBANCE + j)])
+            on_disturbance: core::array::from_fn(|i| {
+                core::array::from_fn(|j| matrix[(DISTURBANCE + i, DISTURBANCE + j)])
             }),
-            on_gust: matrix[(GUST, GUST)],
         }
     }
 
@@ -29,19 +28,10 @@ impl Transition {
                 *sum += entry * x;
             }
         }
-        let [a, b] = self.on_disturbance;
-        let (first, second) = (x[DISTURBANCE], x[DISTURBANCE + 1]);
+        let noise = [x[DISTURBANCE], x[DISTURBANCE + 1], x[DISTURBANCE + 2]];
+        let [first, second, third] =
+            self.on_disturbance.map(|row| row[0] * noise[0] + row[1] * noise[1] + row[2] * noise[2]);
         let [q, q_imu, theta, theta_imu, gyro] = plant;
-        let disturbance = [a[0] * first + b[0] * second, a[1] * first + b[1] * second];
-        State::from([
-            q,
-            q_imu,
-            theta,
-            theta_imu,
-            gyro,
-            disturbance[0],
-            disturbance[1],
-            self.on_gust * x[GUST],
-        ])
+        State::from([q, q_imu, theta, theta_imu, gyro, first, second, third])
     }
 }

@@ -28,17 +28,19 @@ pub struct Coordinate {
 }
 
 impl Coordinate {
-    fn inner(&self, value: f64) -> f64 {
+    /// The search coordinate z of a value.
+    pub fn inner(&self, value: f64) -> f64 {
         if self.log { value.max(f64::MIN_POSITIVE).ln() } else { value / self.unit_step }
     }
     fn unbounded(&self, z: f64) -> f64 {
         if self.log { z.exp() } else { z * self.unit_step }
     }
-    fn outer(&self, z: f64) -> f64 {
+    /// The value at z, within the bounds.
+    pub fn outer(&self, z: f64) -> f64 {
         self.unbounded(z).clamp(self.bounds[0], self.bounds[1])
     }
     /// d value / d z at `value`.
-    fn stretch(&self, value: f64) -> f64 {
+    pub fn stretch(&self, value: f64) -> f64 {
         if self.log { value } else { self.unit_step }
     }
 }

@@ -1,0 +1,230 @@
+//! What the data say of a fitted model: information, scores by block, and the evidence for its terms.
+//!
+//! In the coordinates z of the search, with the derivatives J_k = ∂e_k/∂z of the innovations and W = S⁻¹:
+//!
+//! ```text
+//! s_k = J_kᵀ W e_k          H = Σ J_kᵀ W J_k (+ prior)          C = H⁻¹
+//! s_b = Σ_{k in block b} s_k         V = C (Σ_b s_b s_bᵀ) C
+//! ```
+//!
+//! With Gaussian errors that the model has, V = C. On real data a likelihood ratio for the terms ψ overstates, and is
+//! divided by
+//!
+//! ```text
+//! κ_ψ = max(1, tr(C_ψψ⁻¹ V_ψψ) / p)
+//! ```
+//!
+//! (Kent, Biometrika 69, 1982; Chandler and Bate, Biometrika 94, 2007). The evidence of a model with the parameters ψ
+//! of its terms is Laplace's, with priors that are even over the ranges of the catalogue (in z):
+//!
+//! ```text
+//! ln E = −V(ẑ)/κ + ½ ln det(2π κ C_ψψ) − Σ ln(range of ψ_i)
+//! ```
+
+use super::fit::{Fit, weights};
+use super::problem::Problem;
+use crate::dataset::Place;
+use crate::optim::chord::Chord;
+use crate::optim::levenberg_marquardt::Coordinate;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix2};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Length of the blocks whose scores count as independent, s: several times the memory of a vehicle in the loop.
+pub const BLOCK_S: f64 = 3.0;
+/// Probability with which blocks that are what the model takes them for give no divisor above one.
+const NO_DIVISOR: f64 = 0.9;
+/// A linear parameter's prior is at most so many steps of its search wide (a shape's coefficient: ± one usual moment).
+const WIDEST_PRIOR: f64 = 100.0;
+
+/// Information and scores at a fit.
+#[derive(Clone, Debug)]
+pub struct Information {
+    /// Unknowns that may move, by their place.
+    free: Vec<usize>,
+    /// Of the free unknowns.
+    hessian: DMatrix<f64>,
+    covariance: DMatrix<f64>,
+    /// V.
+    by_blocks: DMatrix<f64>,
+    blocks: usize,
+    /// What each part of the data contributes.
+    parts: Vec<Part>,
+    coordinates: Vec<Coordinate>,
+}
+
+/// What the rows of one part contribute to H and to Σ s.
+#[derive(Clone, Debug)]
+struct Part {
+    hessian: DMatrix<f64>,
+    score: DVector<f64>,
+}
+
+impl Information {
+    /// At the minimum of `fit`; `parts` are the parts of the data that can be left out by [`Self::without`]. `None`
+    /// where the fit has no finite derivatives, or they are not independent.
+    pub fn new(problem: &Problem<'_>, fit: &Fit, parts: &[Vec<Place>]) -> Option<Self> {
+        let coordinates = problem.coordinates(&fit.effects);
+        let values = &fit.minimum.values;
+        let residuals = |v: &[f64]| problem.prediction_errors(&fit.effects, v);
+        let slopes = Chord::new(&residuals, problem.channels(), &coordinates, values)?.into_jacobian();
+        let (weight, _) = weights(&fit.minimum.residuals);
+        let moves = |i: &usize| {
+            let bounds = coordinates[*i].bounds;
+            let hair = 1e-9 * (bounds[1] - bounds[0]);
+            values[*i] > bounds[0] + hair
+                && values[*i] < bounds[1] - hair
+                && slopes[*i].iter().any(|e| e[0] != 0.0 || e[1] != 0.0)
+        };
+        let free: Vec<usize> = (0..slopes.len()).filter(moves).collect();
+        let n = free.len();
+        let zero = || Part { hessian: DMatrix::zeros(n, n), score: DVector::zeros(n) };
+        let mut whole = zero();
+        let mut of_parts: Vec<Part> = parts.iter().map(|_| zero()).collect();
+        let (mut by_blocks, mut block, mut blocks) = (DMatrix::zeros(n, n), DVector::zeros(n), 0);
+        let mut current = None;
+        let (mut row_hessian, mut row_score) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        for (index, (run, k)) in problem.counted_rows().enumerate() {
+            let data = &problem.data.runs[run];
+            let this = Some((run, (k as f64 * data.step / BLOCK_S) as usize));
+            if this != current {
+                if current.is_some() {
+                    by_blocks.ger(1.0, &block, &block, 1.0);
+                    blocks += 1;
+                }
+                block.fill(0.0);
+                current = this;
+            }
+            row(
+                &slopes,
+                &free,
+                index,
+                &weight,
+                &fit.minimum.residuals[index],
+                &mut row_hessian,
+                &mut row_score,
+            );
+            whole.hessian += &row_hessian;
+            whole.score += &row_score;
+            block += &row_score;
+            let holds = |places: &&Vec<Place>| places.iter().any(|p| p.run == run && p.rows.contains(&k));
+            if let Some(part) = parts.iter().position(|places| holds(&places)) {
+                of_parts[part].hessian += &row_hessian;
+                of_parts[part].score += &row_score;
+            }
+        }
+        by_blocks.ger(1.0, &block, &block, 1.0);
+        blocks += 1;
+        for (a, &i) in free.iter().enumerate() {
+            if let Some((_, deviation)) = coordinates[i].prior {
+                whole.hessian[(a, a)] += 1.0 / (deviation * deviation);
+            }
+        }
+        let covariance = factor(&whole.hessian)?.inverse();
+        let by_blocks = &covariance * by_blocks * &covariance;
+        Some(Self {
+            free,
+            hessian: whole.hessian,
+            covariance,
+            by_blocks,
+            blocks,
+            parts: of_parts,
+            coordinates,
+        })
+    }
+
+    /// Places of `own` among the free unknowns; `None` where one of them does not move.
+    fn places(&self, own: impl Iterator<Item = usize>) -> Option<Vec<usize>> {
+        own.map(|i| self.free.iter().position(|&j| j == i)).collect()
+    }
+
+    /// κ of the unknowns `own`: one where the blocks' scores are no more uneven than chance makes them.
+    pub fn divisor(&self, own: impl Iterator<Item = usize>) -> f64 {
+        let Some(places) = self.places(own).filter(|places| !places.is_empty()) else { return 1.0 };
+        let p = places.len();
+        let cut = |m: &DMatrix<f64>| DMatrix::from_fn(p, p, |a, b| m[(places[a], places[b])]);
+        let Some(solver) = factor(&cut(&self.covariance)) else { return 1.0 };
+        let mean = solver.solve(&cut(&self.by_blocks)).trace() / p as f64;
+        let freedom = (self.blocks * p) as f64;
+        let chance = ChiSquared::new(freedom).map_or(1.0, |chi| chi.inverse_cdf(NO_DIVISOR) / freedom);
+        (mean / chance).max(1.0)
+    }
+
+    /// ½ ln det(2π κ C_ψψ) − Σ ln(range of ψ_i) for the unknowns `own`, which is no more than 0: what the data have left of
+    /// the prior. `None` where one of them stands at a bound: no candidate.
+    pub fn occam(&self, own: impl Iterator<Item = usize>, divisor: f64) -> Option<f64> {
+        let places = self.places(own)?;
+        let p = places.len();
+        let part = DMatrix::from_fn(p, p, |a, b| self.covariance[(places[a], places[b])]);
+        let log_determinant = 2.0 * factor(&part)?.l().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        let ranges = places.iter().map(|&a| width(&self.coordinates[self.free[a]]).ln()).sum::<f64>();
+        let posterior = 0.5 * (p as f64 * (std::f64::consts::TAU * divisor).ln() + log_determinant);
+        Some((posterior - ranges).min(0.0))
+    }
+
+    /// Standard deviation of every unknown in its own unit: the larger of that of the information and of the blocks;
+    /// infinite where the unknown does not move.
+    pub fn deviations(&self, values: &[f64]) -> Vec<f64> {
+        let mut all = vec![f64::INFINITY; values.len()];
+        for (a, &i) in self.free.iter().enumerate() {
+            let variance = self.covariance[(a, a)].max(self.by_blocks[(a, a)]);
+            all[i] = variance.max(0.0).sqrt() * self.coordinates[i].stretch(values[i]);
+        }
+        all
+    }
+
+    /// The unknowns fitted without part `part` of the data: one Gauss–Newton step from `values`.
+    pub fn without(&self, part: usize, values: &[f64]) -> Vec<f64> {
+        let mut moved = values.to_vec();
+        let Part { hessian, score } = &self.parts[part];
+        let mut rest = &self.hessian - hessian;
+        for i in 0..rest.nrows() {
+            rest[(i, i)] = rest[(i, i)] * (1.0 + 1e-9) + 1e-9;
+        }
+        let Some(solver) = factor(&rest) else { return moved };
+        let step = solver.solve(score);
+        for (a, &i) in self.free.iter().enumerate() {
+            let coordinate = &self.coordinates[i];
+            // no unknown jumps further than in the search
+            moved[i] = coordinate.outer(coordinate.inner(values[i]) + step[a].clamp(-3.0, 3.0));
+        }
+        moved
+    }
+}
+
+fn factor(matrix: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    matrix.clone().cholesky().filter(|c| c.l_dirty().iter().all(|x| x.is_finite()))
+}
+
+/// Width of a parameter's prior, in the coordinate of the search.
+fn width(coordinate: &Coordinate) -> f64 {
+    let [low, high] = coordinate.bounds;
+    let width = coordinate.inner(high) - coordinate.inner(low);
+    if coordinate.log { width } else { width.min(WIDEST_PRIOR) }
+}
+
+/// J_kᵀ W J_k and J_kᵀ W e_k of one row.
+fn row(
+    slopes: &[Vec<[f64; 2]>],
+    free: &[usize],
+    index: usize,
+    weight: &Matrix2<f64>,
+    error: &[f64; 2],
+    hessian: &mut DMatrix<f64>,
+    score: &mut DVector<f64>,
+) {
+    let weigh = |e: &[f64; 2]| {
+        [weight[(0, 0)] * e[0] + weight[(0, 1)] * e[1], weight[(1, 0)] * e[0] + weight[(1, 1)] * e[1]]
+    };
+    let inner = |a: &[f64; 2], b: &[f64; 2]| a[0] * b[0] + a[1] * b[1];
+    let weighted_error = weigh(error);
+    for (a, &i) in free.iter().enumerate() {
+        let slope = &slopes[i][index];
+        let weighted = weigh(slope);
+        score[a] = inner(slope, &weighted_error);
+        for (b, &j) in free.iter().enumerate().take(a + 1) {
+            let entry = inner(&weighted, &slopes[j][index]);
+            hessian[(a, b)] = entry;
+            hessian[(b, a)] = entry;
+        }
+    }
+}
