@@ -1,6 +1,6 @@
 //! All outcomes together, as tables: the same for the terminal, for `table.md` and for the report.
 
-use super::judge::{Outcome, Vaf};
+use crate::judge::{Outcome, Vaf};
 use host_sim::trial::Kind;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -8,9 +8,13 @@ use std::collections::BTreeSet;
 /// A table with a title and what its columns mean.
 #[derive(Clone, Debug, Serialize)]
 pub struct Table {
+    /// What it counts.
     pub title: &'static str,
+    /// What its columns mean; empty where they say it themselves.
     pub note: String,
+    /// Columns.
     pub header: Vec<&'static str>,
+    /// Cells, as many as there are columns.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -242,12 +246,14 @@ fn median(values: &[f64], factor: f64, unit: &str) -> String {
 
 impl Table {
     /// The rows without the counts behind the percentages: the number of cases stands in its own column.
+    #[must_use]
     pub fn short_rows(&self) -> Vec<Vec<String>> {
         let short = |cell: &String| cell.split(" (").next().unwrap_or_default().to_owned();
         self.rows.iter().map(|row| row.iter().map(short).collect()).collect()
     }
 
     /// The table in Markdown, under a heading.
+    #[must_use]
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
         let header: Vec<String> = self.header.iter().map(|cell| (*cell).to_owned()).collect();
@@ -260,9 +266,9 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use super::super::judge::judge;
-    use super::super::judge::tests::{beside, said, truth};
     use super::*;
+    use crate::judge::judge;
+    use crate::judge::tests::{beside, said, truth};
 
     fn outcomes() -> Vec<Outcome> {
         let drag = truth("effect", &["quadratic_drag"], "lab");

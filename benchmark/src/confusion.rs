@@ -1,6 +1,6 @@
 //! What was concealed against what was answered, as a picture.
 
-use super::judge::Outcome;
+use crate::judge::Outcome;
 use host_sim::effects::{CATALOGUE, every};
 use host_sim::trial::Kind;
 use std::fmt::Write as _;
@@ -143,9 +143,9 @@ fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::judge::judge;
-    use super::super::judge::tests::{beside, said, truth};
     use super::*;
+    use crate::judge::judge;
+    use crate::judge::tests::{beside, said, truth};
 
     #[test]
     fn every_case_but_a_pair_is_counted_once_in_its_place() {

@@ -4,7 +4,7 @@
 //! beside the true effect costs nothing, and named alone where nothing is concealed it is no false alarm unless the
 //! background is clean.
 
-use super::truth::{Beside, Said, Sparse, Truth};
+use crate::truth::{Beside, Said, Sparse, Truth};
 use host_sim::trial::Kind;
 use serde::Serialize;
 use std::collections::BTreeMap;
