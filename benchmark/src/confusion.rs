@@ -66,28 +66,20 @@ pub fn svg(outcomes: &[Outcome]) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
          aria-label=\"What was concealed (rows) against what was answered (columns)\" font-size=\"11\">"
     );
+    // writing to a string cannot fail
     for (c, name) in matrix.columns.iter().enumerate() {
         let (x, y) = (NAMES + c * CELL + CELL / 2 + 4, NAMES - 6);
-        push(
-            &mut out,
-            format_args!(
-                "<text x=\"{x}\" y=\"{y}\" transform=\"rotate(-60 {x} {y})\" class=\"name\">{name}</text>"
-            ),
-        );
+        let turned = format!("transform=\"rotate(-60 {x} {y})\"");
+        let _ = write!(out, "<text x=\"{x}\" y=\"{y}\" {turned} class=\"name\">{name}</text>");
     }
     for (r, name) in matrix.rows.iter().enumerate() {
-        let y = NAMES + r * CELL;
-        push(
-            &mut out,
-            format_args!(
-                "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" class=\"name\">{name}</text>",
-                NAMES - 8,
-                y + CELL / 2 + 4
-            ),
-        );
+        let (x, y) = (NAMES - 8, NAMES + r * CELL);
+        let middle = y + CELL / 2 + 4;
+        let _ =
+            write!(out, "<text x=\"{x}\" y=\"{middle}\" text-anchor=\"end\" class=\"name\">{name}</text>");
         let whole: usize = matrix.counts[r].iter().sum();
         for (c, count) in matrix.counts[r].iter().enumerate() {
-            cell(&mut out, [NAMES + c * CELL, y], *count, whole, is_right(name, matrix.columns[c]));
+            out.push_str(&cell([NAMES + c * CELL, y], *count, whole, is_right(name, matrix.columns[c])));
         }
     }
     out.push_str("</svg>");
@@ -103,42 +95,23 @@ fn is_right(concealed: &str, answer: &str) -> bool {
 }
 
 /// One cell: the darker, the larger its share of the row; blue where the answer is right.
-fn cell(out: &mut String, [x, y]: [usize; 2], count: usize, whole: usize, right: bool) {
+fn cell([x, y]: [usize; 2], count: usize, whole: usize, right: bool) -> String {
     let side = CELL - 2;
+    let rect = |class: &str, more: &str| {
+        format!(
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"{class}\"{more}/>"
+        )
+    };
+    let empty = rect("cell", "");
+    if count == 0 {
+        return if right { empty + &rect("goal", "") } else { empty };
+    }
     let share = count as f64 / whole.max(1) as f64;
-    let class = if right { "right" } else { "wrong" };
-    push(
-        out,
-        format_args!(
-            "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"cell\"/>"
-        ),
-    );
-    if right && count == 0 {
-        push(
-            out,
-            format_args!(
-                "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"goal\"/>"
-            ),
-        );
-    }
-    if count > 0 {
-        let opacity = 0.25 + 0.75 * share;
-        push(
-            out,
-            format_args!(
-                "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"{class}\" fill-opacity=\"{opacity:.2}\"/>\
-             <text x=\"{}\" y=\"{}\" text-anchor=\"middle\" class=\"{}\">{count}</text>",
-                x + side / 2,
-                y + side / 2 + 4,
-                if share > 0.4 { "on" } else { "name" }
-            ),
-        );
-    }
-}
-
-fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
-    // writing to a string cannot fail
-    let _ = out.write_fmt(text);
+    let opacity = format!(" fill-opacity=\"{:.2}\"", 0.25 + 0.75 * share);
+    let full = rect(if right { "right" } else { "wrong" }, &opacity);
+    let (x, y) = (x + side / 2, y + side / 2 + 4);
+    let class = if share > 0.4 { "on" } else { "name" };
+    format!("{empty}{full}<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" class=\"{class}\">{count}</text>")
 }
 
 #[cfg(test)]
