@@ -21,8 +21,14 @@ struct Matrix {
 
 const NOTHING: &str = "(nothing)";
 /// Answers without a name of their own.
-const OTHERS: [&str; 5] =
-    ["ambiguous, right among ≤ 3", "ambiguous, wrong", "unlisted", "no_mismatch", "not_excited"];
+const OTHERS: [&str; 6] = [
+    "ambiguous, right among ≤ 3",
+    "ambiguous, wrong",
+    "named with a remainder",
+    "unlisted",
+    "no_mismatch",
+    "not_excited",
+];
 
 impl Matrix {
     /// Single effects, nothing, and what is outside; pairs have no place in it.
@@ -49,7 +55,9 @@ impl Matrix {
 
 /// The column of an answer.
 fn answered(outcome: &Outcome) -> &str {
+    let outside = matches!(outcome.kind, Kind::Outside | Kind::Untouched);
     match outcome.verdict.as_str() {
+        "named" if outside && outcome.unlisted => OTHERS[2],
         "named" => outcome.listed.first().map_or("", String::as_str),
         "ambiguous" if outcome.among_three => OTHERS[0],
         "ambiguous" => OTHERS[1],
@@ -91,7 +99,7 @@ fn is_right(concealed: &str, answer: &str) -> bool {
     if CATALOGUE.iter().any(|entry| entry.id == concealed) {
         return concealed == answer || answer == OTHERS[0];
     }
-    answer == if concealed == NOTHING { "no_mismatch" } else { "unlisted" }
+    if concealed == NOTHING { answer == "no_mismatch" } else { OTHERS[2..4].contains(&answer) }
 }
 
 /// One cell: the darker, the larger its share of the row; blue where the answer is right.

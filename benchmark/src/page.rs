@@ -68,10 +68,11 @@ pub fn lead(outcomes: &[Outcome]) -> String {
 fn case(outcome: &Outcome) -> Case<'_> {
     let concealed = if outcome.ids.is_empty() { "nothing".to_owned() } else { outcome.ids.join(" + ") };
     let names = outcome.listed.join(", ");
+    let remainder = if outcome.unlisted && outcome.verdict == "named" { ", and a remainder" } else { "" };
     let answer = if names.is_empty() || names == outcome.verdict {
         outcome.verdict.clone()
     } else {
-        format!("{}: {names}", outcome.verdict)
+        format!("{}: {names}{remainder}", outcome.verdict)
     };
     Case {
         number: outcome.case,
@@ -90,7 +91,7 @@ fn tone(outcome: &Outcome) -> &'static str {
         Kind::Effect => outcome.right && !outcome.companions,
         Kind::Pair => outcome.all_found && !outcome.companions,
         Kind::Nothing => !outcome.false_alarm,
-        Kind::Outside | Kind::Untouched => outcome.verdict == "unlisted",
+        Kind::Outside | Kind::Untouched => outcome.unlisted,
     };
     let open = outcome.among_three || (outcome.kind == Kind::Pair && outcome.one_found);
     match (good, open && !outcome.confidently_wrong) {
