@@ -80,6 +80,16 @@ impl From<sysid::error::Error> for Failure {
     }
 }
 
+impl From<benchmark::Error> for Failure {
+    fn from(error: benchmark::Error) -> Self {
+        match error {
+            benchmark::Error::Simulator(error) => error.into(),
+            benchmark::Error::Estimation(error) => error.into(),
+            benchmark::Error::Place { message, help } => Self::new(message, help),
+        }
+    }
+}
+
 impl From<host_sim::Error> for Failure {
     fn from(error: host_sim::Error) -> Self {
         Self::new(error.to_string(), "see pitchid simulate --help for effects, parameters and ranges")

@@ -5,13 +5,13 @@ use crate::progress::Progress;
 use crate::report::content::Content;
 use crate::report::traces::View;
 use crate::{output, report, text};
+use benchmark::nominal;
 use clap::Args;
 use host_sim::calibrate::{Strength, draw_effect};
 use host_sim::{Plant, Scenario, fly};
 use std::path::{Path, PathBuf};
 use sysid::diagnosis::{Diagnosis, diagnose};
 use sysid::identify::compare::{Identification, identify};
-use sysid::model::file::{ModelFile, PlantSection};
 use sysid::recording::{ReadOptions, Recording, read};
 
 mod reveal;
@@ -109,20 +109,6 @@ fn conceal_and_fly(seed: u64, files: &Files<'_>) -> Result<(), Failure> {
     flight.write_recording(&files.named("recording.csv"))?;
     flight.write_truth(&files.named("truth.json"))?;
     Ok(())
-}
-
-/// The model that a user has before the first flight: numbers from blade-element theory and the data sheet.
-pub(super) fn nominal() -> ModelFile {
-    let plant = PlantSection {
-        inertia_kg_m2: 0.1705,
-        delay_s: Some(0.06),
-        dm_dq: Some(-0.27),
-        dm_du: Some(23.0),
-        mount_k: Some(3.8689),
-        mount_c: Some(0.02639),
-        mount_j: Some(5e-4),
-    };
-    ModelFile { plant, effects: Vec::new(), intervals: Default::default() }
 }
 
 fn write_answers(files: &Files<'_>, found: &Diagnosis, content: &Content) -> Result<(), Failure> {

@@ -1,8 +1,8 @@
 //! The residual moment against the signal that it depends on most.
 
-use super::canvas::{Axes, EXTENDED, INK, mesh, padded, px, svg, tick};
 use super::content::symbol;
-use crate::failure::Failure;
+use benchmark::Error;
+use benchmark::canvas::{Axes, EXTENDED, INK, mesh, padded, px, svg, tick};
 use plotters::prelude::*;
 use sysid::diagnosis::answer::Dependence;
 
@@ -10,7 +10,7 @@ use sysid::diagnosis::answer::Dependence;
 const NORMAL_95: f64 = 1.96;
 
 /// Means by class of the signal with their 95 % intervals.
-pub fn picture(dependence: &Dependence) -> Result<String, Failure> {
+pub fn picture(dependence: &Dependence) -> Result<String, Error> {
     let classes = told_apart(&dependence.classes);
     let label = format!("residual moment against {}", dependence.variable);
     svg([440, 280], &label, |area| {

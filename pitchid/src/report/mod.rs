@@ -1,6 +1,5 @@
 //! The report: one HTML file that needs nothing else, readable in light and dark and on paper.
 
-pub mod canvas;
 pub mod content;
 mod decimate;
 mod dependence;
@@ -8,6 +7,7 @@ mod over_time;
 pub mod traces;
 
 use crate::failure::Failure;
+use benchmark::canvas;
 use content::{Content, is_everywhere, symbol, was_added};
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
@@ -21,9 +21,6 @@ use traces::View;
 const MOST_SECTIONS: usize = 16;
 /// Recordings whose residual moment is drawn over time.
 const MOST_RECORDINGS: usize = 4;
-
-/// What all pages look like.
-pub const STYLE: &str = include_str!("page.css");
 
 /// A picture with its caption.
 #[derive(Serialize)]
@@ -69,7 +66,7 @@ pub fn html(content: &Content, traces: &[Trace], over_time: &OverTime) -> Result
         undrawn: traces.len().saturating_sub(MOST_SECTIONS + 1),
         dependence,
         over_time: moments(content, traces, over_time)?,
-        style: STYLE,
+        style: canvas::STYLE,
         dark_style: canvas::DARK_STYLE,
         json: embedded_json(content)?,
     };

@@ -1,8 +1,10 @@
 //! The residual moment over time, and how strong it is before and after.
 
-use super::canvas::{Axes, BASELINE, EXTENDED, MEASURED, Plane, legend, mesh, padded, px, shade, svg, tick};
 use super::decimate::min_max_rows;
-use crate::failure::Failure;
+use benchmark::Error;
+use benchmark::canvas::{
+    Axes, BASELINE, EXTENDED, MEASURED, Plane, legend, mesh, padded, px, shade, svg, tick,
+};
 use plotters::prelude::*;
 use sysid::diagnosis::over_time::ResidualMoment;
 
@@ -20,7 +22,7 @@ struct Curve<'a> {
 }
 
 /// One recording's picture from its `runs`; `windows` in s since its start.
-pub fn picture(runs: &[&ResidualMoment], windows: &[[f64; 2]]) -> Result<String, Failure> {
+pub fn picture(runs: &[&ResidualMoment], windows: &[[f64; 2]]) -> Result<String, Error> {
     let curves = curves(runs);
     let range = padded(curves.iter().flat_map(|c| &c.runs).flat_map(|(_, values)| values.iter().copied()));
     let times = || runs.iter().flat_map(|run| &run.t).copied();

@@ -1,10 +1,10 @@
 //! Measured against simulated, before and after.
 
-use super::canvas::{
+use super::decimate::min_max_rows;
+use benchmark::Error;
+use benchmark::canvas::{
     Area, Axes, BASELINE, EXTENDED, MEASURED, legend, mesh, padded, px, shade, standalone, svg, tick,
 };
-use super::decimate::min_max_rows;
-use crate::failure::Failure;
 use plotters::prelude::*;
 use std::ops::Range;
 use sysid::diagnosis::evaluation::Trace;
@@ -35,11 +35,11 @@ struct Curve<'a> {
 
 impl View<'_> {
     /// The large picture: the signals, and below them what each model leaves over.
-    pub fn large(&self) -> Result<String, Failure> {
+    pub fn large(&self) -> Result<String, Error> {
         self.large_of([900, 400])
     }
 
-    fn large_of(&self, size: [u32; 2]) -> Result<String, Failure> {
+    fn large_of(&self, size: [u32; 2]) -> Result<String, Error> {
         svg(size, &format!("section {}: measured and simulated", self.trace.label), |area| {
             let (head, rest) = area.split_vertically(px(26));
             legend(&head, self.curves().iter().map(|curve| (curve.name, curve.color)))?;
@@ -57,7 +57,7 @@ impl View<'_> {
     }
 
     /// A small picture: the signals alone.
-    pub fn small(&self) -> Result<String, Failure> {
+    pub fn small(&self) -> Result<String, Error> {
         svg([440, 190], &format!("section {}: measured and simulated", self.trace.label), |area| {
             let signals = self.curves();
             self.panel(
@@ -72,7 +72,7 @@ impl View<'_> {
     }
 
     /// The large picture as a file of its own, for light and dark pages.
-    pub fn standalone(&self) -> Result<String, Failure> {
+    pub fn standalone(&self) -> Result<String, Error> {
         Ok(standalone(&self.large_of([900, 360])?))
     }
 

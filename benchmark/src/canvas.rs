@@ -1,10 +1,13 @@
-//! What all pictures share: an SVG canvas, colours for light and dark, axes.
+//! What all pages and pictures share: a style sheet, an SVG canvas, colours for light and dark, axes.
 
-use crate::failure::Failure;
+use crate::Error;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use std::ops::Range;
+
+/// What all pages look like.
+pub const STYLE: &str = include_str!("page.css");
 
 /// plotters places points on whole pixels: drawn this many times larger and shown smaller, curves are smooth.
 pub const SCALE: u32 = 4;
@@ -42,9 +45,9 @@ pub fn svg(
     size: [u32; 2],
     label: &str,
     draw: impl FnOnce(&Area<'_>) -> Result<(), String>,
-) -> Result<String, Failure> {
+) -> Result<String, Error> {
     let failed =
-        |what: String| Failure::new(format!("a picture could not be drawn: {what}"), "leave out --report");
+        |what: String| Error::new(format!("a picture could not be drawn: {what}"), "leave out --report");
     let [width, height] = size.map(|s| s * SCALE);
     let mut text = String::new();
     {

@@ -1,7 +1,7 @@
 //! Many seeds of one condition, and their summary.
 
 use super::campaign::{Campaign, Condition, closed_loop_label, fly_campaign, prbs_label};
-use crate::failure::Failure;
+use crate::Error;
 use estimator_core::convergence::ConvergenceConfig;
 use estimator_core::lms::LmsConfig;
 use host_sim::Plant;
@@ -77,19 +77,19 @@ pub fn study(
     campaign: u8,
     seeds: u32,
     say: &(dyn Fn(&str) + Sync),
-) -> Result<Study, Failure> {
+) -> Result<Study, Error> {
     let done = AtomicU32::new(0);
-    let one = |seed: u32| -> Result<SeedResult, Failure> {
+    let one = |seed: u32| -> Result<SeedResult, Error> {
         let result = one_seed(condition, campaign, seed.into());
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
         say(&format!("{condition:?}: {count} of {seeds} campaigns flown and identified"));
         result
     };
-    let seeds: Result<Vec<SeedResult>, Failure> = (1..=seeds).into_par_iter().map(one).collect();
+    let seeds: Result<Vec<SeedResult>, Error> = (1..=seeds).into_par_iter().map(one).collect();
     Ok(Study { condition, seeds: seeds? })
 }
 
-fn one_seed(condition: Condition, campaign: u8, seed: u64) -> Result<SeedResult, Failure> {
+fn one_seed(condition: Condition, campaign: u8, seed: u64) -> Result<SeedResult, Error> {
     let flown = fly_campaign(condition, campaign, seed)?;
     let settings = Settings { replicates: 0, thorough: false, ..Settings::default() };
     let found = identify_on(&flown.data, &flown.split, &flown.baseline, &settings, &|_| ())?;
@@ -141,7 +141,7 @@ fn one_seed(condition: Condition, campaign: u8, seed: u64) -> Result<SeedResult,
 }
 
 /// The on-board estimator with a step of a tenth, which the excitation is too short for.
-fn slow_lms(flown: &Campaign) -> Result<MethodFigures, Failure> {
+fn slow_lms(flown: &Campaign) -> Result<MethodFigures, Error> {
     let usual = LmsConfig::default();
     let slow = LmsConfig { step: 0.1 * usual.step, ..usual };
     let training = pieces(&flown.data, &flown.split.training)?;

@@ -8,7 +8,7 @@
 //! not held out: the largest whose error is within one standard error of the least (Hastie, Tibshirani, Friedman
 //! 2009, 7.10).
 
-use super::truth::Sparse;
+use crate::truth::Sparse;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 use sysid::model::file::ModelFile;
@@ -245,7 +245,7 @@ fn simulated(recording: &Recording, points: &[Point], coefficients: &[f64; TERMS
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::commands::demo::nominal;
+    use crate::nominal;
     use host_sim::{Background, Plant, Scenario, Setting, fly};
     use sysid::recording::{ReadOptions, parse};
 

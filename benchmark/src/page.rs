@@ -1,9 +1,9 @@
 //! The report of a proof: one HTML file that needs nothing else.
 
-use super::confusion;
-use super::judge::Outcome;
-use super::tally::Table;
-use crate::failure::Failure;
+use crate::confusion;
+use crate::judge::Outcome;
+use crate::tally::Table;
+use crate::{Error, canvas};
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
@@ -32,9 +32,9 @@ struct Case<'a> {
 }
 
 /// Renders the report.
-pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64) -> Result<String, Failure> {
+pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64) -> Result<String, Error> {
     let failed = |error: minijinja::Error| {
-        Failure::new(format!("the report could not be made: {error}"), "results.json holds everything")
+        Error::new(format!("the report could not be made: {error}"), "results.json holds everything")
     };
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
@@ -46,7 +46,7 @@ pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64) -> Result<String,
         cases: outcomes.iter().map(case).collect(),
         command: command(outcomes.len(), seed),
         version: env!("CARGO_PKG_VERSION"),
-        style: crate::report::STYLE,
+        style: canvas::STYLE,
     };
     environment.get_template("proof").and_then(|t| t.render(Serde(page))).map_err(failed)
 }
@@ -68,10 +68,11 @@ pub fn lead(outcomes: &[Outcome]) -> String {
 fn case(outcome: &Outcome) -> Case<'_> {
     let concealed = if outcome.ids.is_empty() { "nothing".to_owned() } else { outcome.ids.join(" + ") };
     let names = outcome.listed.join(", ");
+    let remainder = if outcome.unlisted && outcome.verdict == "named" { ", and a remainder" } else { "" };
     let answer = if names.is_empty() || names == outcome.verdict {
         outcome.verdict.clone()
     } else {
-        format!("{}: {names}", outcome.verdict)
+        format!("{}: {names}{remainder}", outcome.verdict)
     };
     Case {
         number: outcome.case,
@@ -90,7 +91,7 @@ fn tone(outcome: &Outcome) -> &'static str {
         Kind::Effect => outcome.right && !outcome.companions,
         Kind::Pair => outcome.all_found && !outcome.companions,
         Kind::Nothing => !outcome.false_alarm,
-        Kind::Outside | Kind::Untouched => outcome.verdict == "unlisted",
+        Kind::Outside | Kind::Untouched => outcome.unlisted,
     };
     let open = outcome.among_three || (outcome.kind == Kind::Pair && outcome.one_found);
     match (good, open && !outcome.confidently_wrong) {
@@ -102,10 +103,10 @@ fn tone(outcome: &Outcome) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use super::super::judge::judge;
-    use super::super::judge::tests::{beside, said, truth};
-    use super::super::tally::tables;
     use super::*;
+    use crate::judge::judge;
+    use crate::judge::tests::{beside, said, truth};
+    use crate::tally::tables;
 
     #[test]
     fn the_page_shows_every_case_and_table() {

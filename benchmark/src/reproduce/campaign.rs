@@ -1,6 +1,6 @@
 //! One identification campaign: three tests of rising amplitude, flown in the simulator and read back as recordings.
 
-use crate::failure::Failure;
+use crate::Error;
 use host_sim::sensors::Noise;
 use host_sim::{Background, Plant, Scenario, Setting, fly};
 use serde::Serialize;
@@ -38,7 +38,7 @@ impl Condition {
         }
     }
 
-    fn scenario(self, campaign: u8, amplitude: f32, seed: u64) -> Result<Scenario, Failure> {
+    fn scenario(self, campaign: u8, amplitude: f32, seed: u64) -> Result<Scenario, Error> {
         let plain = Scenario::campaign(campaign.into(), amplitude, seed)?;
         let noise = |q_rad_s| Noise { q_rad_s, theta_rad: 0.005, qdot_rad_s2: 0.5 };
         let mut effects = vec![Setting::new("servo_lag", &[("T", 0.04)])?];
@@ -71,7 +71,7 @@ pub struct Campaign {
 }
 
 /// Flies the campaign of one seed.
-pub fn fly_campaign(condition: Condition, campaign: u8, seed: u64) -> Result<Campaign, Failure> {
+pub fn fly_campaign(condition: Condition, campaign: u8, seed: u64) -> Result<Campaign, Error> {
     let mut recordings: Vec<Recording> = Vec::new();
     for (test, amplitude) in AMPLITUDES.into_iter().enumerate() {
         let scenario = condition.scenario(campaign, amplitude, 10 * seed + test as u64)?;

@@ -1,8 +1,8 @@
 //! The pictures of one campaign.
 
 use super::campaign::{Campaign, closed_loop_label, prbs_label};
-use crate::failure::Failure;
-use crate::report::canvas::{
+use crate::Error;
+use crate::canvas::{
     Area, Axes, BASELINE, EXTENDED, MEASURED, font, mesh, padded, px, standalone, svg, tick,
 };
 use plotters::prelude::*;
@@ -43,7 +43,7 @@ struct Chart {
 }
 
 /// All pictures with their file names.
-pub fn all(campaign: &Campaign, found: &Identification) -> Result<Vec<(&'static str, String)>, Failure> {
+pub fn all(campaign: &Campaign, found: &Identification) -> Result<Vec<(&'static str, String)>, Error> {
     let named: Vec<&str> = METHODS.iter().map(|(name, _)| *name).collect();
     let traces = |label: &str, names: &[&str]| traces(campaign, found, label, names);
     let charts = [
@@ -140,7 +140,7 @@ fn choice(found: &Identification) -> Chart {
 }
 
 impl Chart {
-    fn draw(&self) -> Result<String, Failure> {
+    fn draw(&self) -> Result<String, Error> {
         Ok(standalone(&svg(self.size, &self.label, |area| {
             let (head, body) = area.split_vertically(px(26));
             self.legend(&head)?;

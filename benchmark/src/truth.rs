@@ -2,6 +2,7 @@
 
 use host_sim::trial::Kind;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// What was concealed.
@@ -48,6 +49,9 @@ pub struct Said {
     pub effects: Vec<SaidEffect>,
     pub location: Option<SaidLocation>,
     pub fit: SaidFit,
+    /// What is there besides the names, as an object.
+    #[serde(default)]
+    pub remainder: Value,
 }
 
 /// One effect.
@@ -85,7 +89,23 @@ pub struct SaidLocation {
 pub struct SaidFit {
     pub baseline: SaidModel,
     pub extended: SaidModel,
-    pub held_out: Vec<String>,
+    /// Labels of the sections that were held out; or by label what both models reach on a section when they are fitted
+    /// on the others.
+    #[serde(default)]
+    pub held_out: Value,
+}
+
+impl SaidFit {
+    /// VAF (%) before and after, mean over the sections that were held out in turn; none where none were.
+    pub fn held_out_in_turn(&self) -> Option<[f64; 2]> {
+        let free_run = |model: &Value| model.as_f64().or_else(|| model.get("free_run")?.as_f64());
+        let both = |section: &Value| {
+            Some([free_run(section.get("baseline")?)?, free_run(section.get("extended")?)?])
+        };
+        let found: Vec<[f64; 2]> = self.held_out.as_object()?.values().filter_map(both).collect();
+        let mean = |model: usize| found.iter().map(|vaf| vaf[model]).sum::<f64>() / found.len() as f64;
+        (!found.is_empty()).then(|| [0, 1].map(mean))
+    }
 }
 
 /// One model.

@@ -1,19 +1,14 @@
 //! `pitchid reproduce paper`: the paper's Table 2 and figures, over many simulated campaigns.
 
-mod campaign;
-mod figures;
-mod page;
-mod study;
-
 use super::reading::read_plain;
 use crate::failure::Failure;
-use crate::output;
 use crate::progress::Progress;
-use campaign::{Condition, fly_campaign};
+use crate::{output, text};
+use benchmark::reproduce::{Paper, page, paper};
 use clap::{Args, Subcommand};
+use std::fmt::Write as _;
 use std::path::PathBuf;
-use study::{Paper, Study, study};
-use sysid::identify::compare::{Settings, identify, identify_on};
+use sysid::identify::compare::Identification;
 
 /// Repeats a published experiment in the simulator
 #[derive(Args)]
@@ -75,26 +70,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let recordings =
         arguments.recordings.iter().map(|path| read_plain(path)).collect::<Result<Vec<_>, _>>()?;
     let progress = Progress::start("flying and identifying");
-    let mut studies: Vec<Study> = Vec::new();
-    for condition in [Condition::Nominal, Condition::Disturbed, Condition::Realistic] {
-        studies.push(study(condition, arguments.campaign, arguments.seeds, &|what| progress.say(what))?);
-    }
-    progress.say("drawing the first realistic campaign");
-    let shown = fly_campaign(Condition::Realistic, arguments.campaign, 1)?;
-    let found = identify_on(&shown.data, &shown.split, &shown.baseline, &Settings::default(), &|_| ())?;
-    for (name, picture) in figures::all(&shown, &found)? {
-        output::write(&folder.join(name), &picture)?;
-    }
-    let given = if recordings.is_empty() {
-        None
-    } else {
-        progress.say("identifying the given recordings");
-        Some(identify(&recordings, None, &|_| ())?)
-    };
+    let PaperArguments { campaign, seeds, .. } = *arguments;
+    let (paper, given) = paper(folder, campaign, seeds, &recordings, &|what| progress.say(what))?;
     drop(progress);
-    let paper = Paper { campaign: arguments.campaign, seeds: arguments.seeds, studies };
-    output::write(&folder.join("paper.json"), &output::json(&paper)?)?;
-    output::write(&folder.join("paper.md"), &page::markdown(&paper, &found, given.as_ref()))?;
-    output::print(&page::terminal(&paper, given.as_ref()))?;
+    output::print(&told(&paper, given.as_ref()))?;
     output::print(&format!("\nPage: {}\n", folder.join("paper.md").display()))
+}
+
+fn told(paper: &Paper, given: Option<&Identification>) -> String {
+    let mut told = String::new();
+    for study in &paper.studies {
+        let supervised = page::supervised(study);
+        let _ = writeln!(told, "\n{}; {} campaigns, {supervised}", study.condition.told(), paper.seeds);
+        told.push_str(&text::table(&page::HEADER, page::rows(study), 1));
+        told.push_str(&text::paragraph(&page::agreement(study)));
+        told.push_str(&text::table(&page::ERRORS_HEADER, page::errors(study), 1));
+    }
+    if let Some(given) = given {
+        told.push_str("\nThe given recordings\n");
+        told.push_str(&text::methods(given));
+    }
+    told
 }

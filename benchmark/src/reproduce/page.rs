@@ -1,10 +1,13 @@
-//! The tables, on the terminal and as a page.
+//! The tables, and the page with them.
 
 use super::study::{Paper, Spread, Study};
-use crate::{format, text};
 use std::fmt::Write as _;
 use sysid::identify::compare::Identification;
 
+/// Columns of [`rows`].
+pub const HEADER: [&str; 5] = ["method", "closed loop (IV)", "paper", "unused PRBS", "paper"];
+/// Columns of [`errors`].
+pub const ERRORS_HEADER: [&str; 3] = ["", "error of ∂M/∂q, %", "error of ∂M/∂u, %"];
 /// The paper's Table 2, %: method, closed loop, PRBS.
 const TABLE_2: [(&str, f64, f64); 4] = [
     ("LMS FIR + Kung", 23.3, 71.5),
@@ -14,23 +17,6 @@ const TABLE_2: [(&str, f64, f64); 4] = [
 ];
 /// The paper's agreement of the H∞ match with PI-MOESP, %.
 const AGREEMENT: f64 = 96.9;
-
-/// What a terminal shows.
-pub fn terminal(paper: &Paper, given: Option<&Identification>) -> String {
-    let mut shown = String::new();
-    for study in &paper.studies {
-        let _ =
-            writeln!(shown, "\n{}; {} campaigns, {}", study.condition.told(), paper.seeds, supervised(study));
-        shown.push_str(&text::table(&header(), rows(study), 1));
-        shown.push_str(&text::paragraph(&agreement(study)));
-        shown.push_str(&text::table(&["", "error of ∂M/∂q, %", "error of ∂M/∂u, %"], errors(study), 1));
-    }
-    if let Some(given) = given {
-        shown.push_str("\nThe given recordings\n");
-        shown.push_str(&text::methods(given));
-    }
-    shown
-}
 
 /// The page.
 pub fn markdown(paper: &Paper, shown: &Identification, given: Option<&Identification>) -> String {
@@ -44,9 +30,9 @@ pub fn markdown(paper: &Paper, shown: &Identification, given: Option<&Identifica
     for study in &paper.studies {
         let _ =
             write!(page, "\n## {}\n\n{}.\n\n", capital(study.condition.told()), capital(&supervised(study)));
-        page.push_str(&table(&header(), &rows(study)));
+        page.push_str(&table(&HEADER, &rows(study)));
         let _ = write!(page, "\n{}\n\n", agreement(study));
-        page.push_str(&table(&["", "error of ∂M/∂q, %", "error of ∂M/∂u, %"], &errors(study)));
+        page.push_str(&table(&ERRORS_HEADER, &errors(study)));
     }
     page.push_str("\n## The first realistic campaign\n\n");
     for (file, caption) in [
@@ -74,9 +60,7 @@ pub fn markdown(paper: &Paper, shown: &Identification, given: Option<&Identifica
             .methods
             .iter()
             .map(|method| {
-                let vaf = |label: &String| {
-                    method.vaf_percent.get(label).map_or("-".into(), |v| format::percent(*v))
-                };
+                let vaf = |label: &String| method.vaf_percent.get(label).map_or("-".into(), |v| percent(*v));
                 let own = [method.name.clone(), method.detail.clone()];
                 own.into_iter().chain(given.held_out.iter().map(vaf)).collect()
             })
@@ -86,17 +70,15 @@ pub fn markdown(paper: &Paper, shown: &Identification, given: Option<&Identifica
     page
 }
 
-fn header() -> [&'static str; 5] {
-    ["method", "closed loop (IV)", "paper", "unused PRBS", "paper"]
-}
-
-fn rows(study: &Study) -> Vec<Vec<String>> {
+/// VAF of every method, under [`HEADER`].
+#[must_use]
+pub fn rows(study: &Study) -> Vec<Vec<String>> {
     study
         .methods()
         .into_iter()
         .map(|method| {
             let printed = TABLE_2.iter().find(|(name, ..)| *name == method);
-            let paper = |value: Option<f64>| value.map_or(String::new(), format::percent);
+            let paper = |value: Option<f64>| value.map_or(String::new(), percent);
             vec![
                 method.to_owned(),
                 spread(study, study.spread(method, |m| m.closed_loop)),
@@ -108,7 +90,9 @@ fn rows(study: &Study) -> Vec<Vec<String>> {
         .collect()
 }
 
-fn errors(study: &Study) -> Vec<Vec<String>> {
+/// Relative errors of the grey boxes, under [`ERRORS_HEADER`].
+#[must_use]
+pub fn errors(study: &Study) -> Vec<Vec<String>> {
     let of = |method: &str| {
         vec![
             method.to_owned(),
@@ -124,16 +108,20 @@ fn spread(study: &Study, spread: Option<Spread>) -> String {
     let Some(Spread { median, range: [low, high], count }) = spread else { return "-".into() };
     let missing = study.seeds.len() - count;
     let note = if missing > 0 { format!(", {missing} unstable") } else { String::new() };
-    format!("{} ({} to {}{note})", format::percent(median), format::percent(low), format::percent(high))
+    format!("{} ({} to {}{note})", percent(median), percent(low), percent(high))
 }
 
-fn supervised(study: &Study) -> String {
+/// How much of the data was left out, in words.
+#[must_use]
+pub fn supervised(study: &Study) -> String {
     let share = Spread::of(study.seeds.iter().map(|s| 100.0 * s.supervised));
     let share = share.map_or(0.0, |s| s.median);
     format!("{share:.0} % of the rows to learn from were overridden by the supervisor, and left out")
 }
 
-fn agreement(study: &Study) -> String {
+/// How well the H∞ match follows PI-MOESP, in words.
+#[must_use]
+pub fn agreement(study: &Study) -> String {
     let found = spread(study, study.agreement());
     format!(
         "Responses of the H∞ match and of PI-MOESP to the PRBS agree to a VAF of {found} % (paper: {AGREEMENT})."
@@ -143,6 +131,12 @@ fn agreement(study: &Study) -> String {
 fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Per cent with one decimal; nobody wants to read "-0.0".
+fn percent(x: f64) -> String {
+    let shown = format!("{x:.1}");
+    if shown == "-0.0" { "0.0".into() } else { shown }
 }
 
 /// A table in Markdown.

@@ -1,16 +1,15 @@
 //! Makes a case: recording, the user's model, and the sealed truth.
 
-use super::folder::{Folder, MODEL, RECORDING};
-use crate::commands::demo::nominal;
-use crate::failure::Failure;
-use crate::output;
+use crate::seal::{Folder, MODEL, RECORDING};
+use crate::{Error, files};
 use host_sim::Background;
 use host_sim::flight::Truth;
 use host_sim::trial::{Kind, Trial};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use sysid::model::file::{ModelFile, PlantSection};
 
-/// A truth as it is written; [`super::truth`] reads it.
+/// A truth as it is written; [`crate::truth`] reads it.
 #[derive(Serialize)]
 struct Sealed<'a> {
     schema: &'static str,
@@ -28,7 +27,7 @@ struct Sealed<'a> {
 }
 
 /// Draws case `number` of the proof of `seed`, flies it and writes its files. Nothing else leaves this function.
-pub fn conceal(folder: &Folder, seed: u64, number: u64) -> Result<(), Failure> {
+pub fn conceal(folder: &Folder, seed: u64, number: u64) -> Result<(), Error> {
     let trial = Trial::new(seed, number)?;
     let kind = trial.kind;
     let concealed = trial.fly()?;
@@ -53,7 +52,22 @@ pub fn conceal(folder: &Folder, seed: u64, number: u64) -> Result<(), Failure> {
         flight: &concealed.flight.truth,
     };
     folder.make(number)?;
-    output::write(&folder.of(number, RECORDING), &concealed.flight.recording())?;
-    output::write(&folder.of(number, MODEL), &model.to_toml()?)?;
-    folder.seal(number, &output::json(&sealed)?)
+    files::write(&folder.of(number, RECORDING), &concealed.flight.recording())?;
+    files::write(&folder.of(number, MODEL), &model.to_toml()?)?;
+    folder.seal(number, &files::json(&sealed)?)
+}
+
+/// The model that a user has before the first flight: numbers from blade-element theory and the data sheet.
+#[must_use]
+pub fn nominal() -> ModelFile {
+    let plant = PlantSection {
+        inertia_kg_m2: 0.1705,
+        delay_s: Some(0.06),
+        dm_dq: Some(-0.27),
+        dm_du: Some(23.0),
+        mount_k: Some(3.8689),
+        mount_c: Some(0.02639),
+        mount_j: Some(5e-4),
+    };
+    ModelFile { plant, effects: Vec::new(), intervals: Default::default() }
 }

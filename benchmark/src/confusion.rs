@@ -1,6 +1,6 @@
 //! What was concealed against what was answered, as a picture.
 
-use super::judge::Outcome;
+use crate::judge::Outcome;
 use host_sim::effects::{CATALOGUE, every};
 use host_sim::trial::Kind;
 use std::fmt::Write as _;
@@ -21,8 +21,14 @@ struct Matrix {
 
 const NOTHING: &str = "(nothing)";
 /// Answers without a name of their own.
-const OTHERS: [&str; 5] =
-    ["ambiguous, right among ≤ 3", "ambiguous, wrong", "unlisted", "no_mismatch", "not_excited"];
+const OTHERS: [&str; 6] = [
+    "ambiguous, right among ≤ 3",
+    "ambiguous, wrong",
+    "named with a remainder",
+    "unlisted",
+    "no_mismatch",
+    "not_excited",
+];
 
 impl Matrix {
     /// Single effects, nothing, and what is outside; pairs have no place in it.
@@ -49,7 +55,9 @@ impl Matrix {
 
 /// The column of an answer.
 fn answered(outcome: &Outcome) -> &str {
+    let outside = matches!(outcome.kind, Kind::Outside | Kind::Untouched);
     match outcome.verdict.as_str() {
+        "named" if outside && outcome.unlisted => OTHERS[2],
         "named" => outcome.listed.first().map_or("", String::as_str),
         "ambiguous" if outcome.among_three => OTHERS[0],
         "ambiguous" => OTHERS[1],
@@ -66,28 +74,20 @@ pub fn svg(outcomes: &[Outcome]) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
          aria-label=\"What was concealed (rows) against what was answered (columns)\" font-size=\"11\">"
     );
+    // writing to a string cannot fail
     for (c, name) in matrix.columns.iter().enumerate() {
         let (x, y) = (NAMES + c * CELL + CELL / 2 + 4, NAMES - 6);
-        push(
-            &mut out,
-            format_args!(
-                "<text x=\"{x}\" y=\"{y}\" transform=\"rotate(-60 {x} {y})\" class=\"name\">{name}</text>"
-            ),
-        );
+        let turned = format!("transform=\"rotate(-60 {x} {y})\"");
+        let _ = write!(out, "<text x=\"{x}\" y=\"{y}\" {turned} class=\"name\">{name}</text>");
     }
     for (r, name) in matrix.rows.iter().enumerate() {
-        let y = NAMES + r * CELL;
-        push(
-            &mut out,
-            format_args!(
-                "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" class=\"name\">{name}</text>",
-                NAMES - 8,
-                y + CELL / 2 + 4
-            ),
-        );
+        let (x, y) = (NAMES - 8, NAMES + r * CELL);
+        let middle = y + CELL / 2 + 4;
+        let _ =
+            write!(out, "<text x=\"{x}\" y=\"{middle}\" text-anchor=\"end\" class=\"name\">{name}</text>");
         let whole: usize = matrix.counts[r].iter().sum();
         for (c, count) in matrix.counts[r].iter().enumerate() {
-            cell(&mut out, [NAMES + c * CELL, y], *count, whole, is_right(name, matrix.columns[c]));
+            out.push_str(&cell([NAMES + c * CELL, y], *count, whole, is_right(name, matrix.columns[c])));
         }
     }
     out.push_str("</svg>");
@@ -99,53 +99,34 @@ fn is_right(concealed: &str, answer: &str) -> bool {
     if CATALOGUE.iter().any(|entry| entry.id == concealed) {
         return concealed == answer || answer == OTHERS[0];
     }
-    answer == if concealed == NOTHING { "no_mismatch" } else { "unlisted" }
+    if concealed == NOTHING { answer == "no_mismatch" } else { OTHERS[2..4].contains(&answer) }
 }
 
 /// One cell: the darker, the larger its share of the row; blue where the answer is right.
-fn cell(out: &mut String, [x, y]: [usize; 2], count: usize, whole: usize, right: bool) {
+fn cell([x, y]: [usize; 2], count: usize, whole: usize, right: bool) -> String {
     let side = CELL - 2;
+    let rect = |class: &str, more: &str| {
+        format!(
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"{class}\"{more}/>"
+        )
+    };
+    let empty = rect("cell", "");
+    if count == 0 {
+        return if right { empty + &rect("goal", "") } else { empty };
+    }
     let share = count as f64 / whole.max(1) as f64;
-    let class = if right { "right" } else { "wrong" };
-    push(
-        out,
-        format_args!(
-            "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"cell\"/>"
-        ),
-    );
-    if right && count == 0 {
-        push(
-            out,
-            format_args!(
-                "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"goal\"/>"
-            ),
-        );
-    }
-    if count > 0 {
-        let opacity = 0.25 + 0.75 * share;
-        push(
-            out,
-            format_args!(
-                "<rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" rx=\"3\" class=\"{class}\" fill-opacity=\"{opacity:.2}\"/>\
-             <text x=\"{}\" y=\"{}\" text-anchor=\"middle\" class=\"{}\">{count}</text>",
-                x + side / 2,
-                y + side / 2 + 4,
-                if share > 0.4 { "on" } else { "name" }
-            ),
-        );
-    }
-}
-
-fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
-    // writing to a string cannot fail
-    let _ = out.write_fmt(text);
+    let opacity = format!(" fill-opacity=\"{:.2}\"", 0.25 + 0.75 * share);
+    let full = rect(if right { "right" } else { "wrong" }, &opacity);
+    let (x, y) = (x + side / 2, y + side / 2 + 4);
+    let class = if share > 0.4 { "on" } else { "name" };
+    format!("{empty}{full}<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" class=\"{class}\">{count}</text>")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::judge::judge;
-    use super::super::judge::tests::{beside, said, truth};
     use super::*;
+    use crate::judge::judge;
+    use crate::judge::tests::{beside, said, truth};
 
     #[test]
     fn every_case_but_a_pair_is_counted_once_in_its_place() {

@@ -4,9 +4,10 @@
 //! beside the true effect costs nothing, and named alone where nothing is concealed it is no false alarm unless the
 //! background is clean.
 
-use super::truth::{Beside, Said, Sparse, Truth};
+use crate::truth::{Beside, Said, Sparse, Truth};
 use host_sim::trial::Kind;
 use serde::Serialize;
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 const GUST: &str = "gust_disturbance";
@@ -43,7 +44,9 @@ pub struct Outcome {
     pub one_found: bool,
     /// Something was added that is not there.
     pub companions: bool,
-    /// A wrong name with a probability of 0.9 or more.
+    /// Unlisted, or named with a remainder: the answer for what is outside the catalogue.
+    pub unlisted: bool,
+    /// A wrong name with a probability of 0.9 or more; outside the catalogue, without a remainder.
     pub confidently_wrong: bool,
     /// ... that is not even a near relative.
     pub far: bool,
@@ -71,6 +74,8 @@ pub struct Parameter {
 pub struct Vaf {
     pub baseline: f64,
     pub extended: f64,
+    /// Baseline and extended on sections that were held out in turn, or else the two above.
+    pub in_turn: [f64; 2],
     pub true_model: f64,
     pub sparse: Option<f64>,
     pub black_box: Option<f64>,
@@ -92,11 +97,11 @@ impl Vaf {
         let gap = self.true_model - self.baseline;
         (gap >= GAP_POINTS).then(|| (reached - self.baseline) / gap)
     }
+}
 
-    /// Whether `reached` lies below the baseline by more than counts.
-    pub fn lowered(&self, reached: f64) -> bool {
-        reached < self.baseline - LOWERED_POINTS
-    }
+/// Whether a correction lowers the VAF by more than counts.
+pub fn lowered([before, after]: [f64; 2]) -> bool {
+    after < before - LOWERED_POINTS
 }
 
 /// Holds an answer against the truth; an answer is missing where the diagnosis refused the recording.
@@ -112,7 +117,9 @@ pub fn judge(truth: &Truth, said: Option<&Said>, beside: &Beside) -> Outcome {
     let right = named && first_is_true;
     let undecided = verdict == "ambiguous" && listed.len() <= MOST_LISTED;
     let wrong = named && first.is_some_and(|id| !concealed(id) && id != "unlisted");
-    let confidently_wrong = wrong && probability.is_none_or(|p| p >= CONFIDENT);
+    let remainder = said.is_some_and(|said| said.remainder.is_object());
+    let outside = matches!(truth.kind, Kind::Outside | Kind::Untouched);
+    let confidently_wrong = wrong && probability.is_none_or(|p| p >= CONFIDENT) && !(outside && remainder);
     let only_gust = !added.is_empty() && added.iter().all(|id| id == GUST);
     let silent = verdict == "no_mismatch" || verdict == "not_excited";
     Outcome {
@@ -130,6 +137,7 @@ pub fn judge(truth: &Truth, said: Option<&Said>, beside: &Beside) -> Outcome {
         all_found: truth.ids.iter().all(|id| added.contains(id)),
         one_found: truth.ids.iter().any(|id| added.contains(id)),
         companions: added.iter().any(|id| !concealed(id)),
+        unlisted: verdict == "unlisted" || (named && remainder),
         confidently_wrong,
         far: confidently_wrong && !truth.near.iter().any(|id| Some(id.as_str()) == first),
         missed: silent || verdict == "refused",
@@ -200,17 +208,27 @@ fn parameters(truth: &Truth, said: &Said) -> Vec<Parameter> {
 
 /// VAF on the sections that were held out; none where the answer names none.
 fn held_out(truth: &Truth, said: &Said, beside: &Beside) -> Option<Vaf> {
+    let black_box = &beside.black_box_vaf_percent;
+    let labels: Vec<&str> = match &said.fit.held_out {
+        Value::Array(labels) => labels.iter().filter_map(Value::as_str).collect(),
+        // any section may be held out in turn; the methods beside are judged by one and the same
+        Value::Object(sections) if black_box.is_empty() => sections.keys().map(String::as_str).collect(),
+        Value::Object(_) => black_box.keys().map(String::as_str).collect(),
+        _ => Vec::new(),
+    };
     let mean = |vaf: &BTreeMap<String, f64>| -> Option<f64> {
-        let values: Vec<f64> =
-            said.fit.held_out.iter().map(|s| vaf.get(s).copied()).collect::<Option<_>>()?;
+        let values: Vec<f64> = labels.iter().map(|s| vaf.get(*s).copied()).collect::<Option<_>>()?;
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     };
+    let baseline = mean(&said.fit.baseline.vaf_percent)?;
+    let extended = mean(&said.fit.extended.vaf_percent)?;
     Some(Vaf {
-        baseline: mean(&said.fit.baseline.vaf_percent)?,
-        extended: mean(&said.fit.extended.vaf_percent)?,
+        baseline,
+        extended,
+        in_turn: said.fit.held_out_in_turn().unwrap_or([baseline, extended]),
         true_model: mean(&truth.true_vaf_percent)?,
         sparse: mean(&beside.sparse.vaf_percent),
-        black_box: mean(&beside.black_box_vaf_percent),
+        black_box: mean(black_box),
     })
 }
 
@@ -301,8 +319,48 @@ pub mod tests {
         assert!((found.parameters[0].relative_error - 0.1).abs() < 1e-12 && !found.parameters[0].covered);
         let vaf = found.vaf.unwrap();
         assert_eq!((vaf.closed(vaf.extended), vaf.closed(75.0)), (Some(0.75), Some(0.25)));
-        assert!(vaf.lowered(69.4) && !vaf.lowered(69.6));
+        assert!(lowered([70.0, 69.4]) && !lowered([70.0, 69.6]));
+        assert_eq!(vaf.in_turn, [70.0, 85.0]);
         assert_eq!(found.window, Some([true, true]));
+    }
+
+    #[test]
+    fn outside_the_catalogue_a_name_is_right_where_something_remains_beside_it() {
+        let answered = |kind: &str, verdict: &str, remainder: Value| {
+            let mut said = said(verdict, &["servo_lag"], &[]);
+            said.remainder = remainder;
+            let found = judged(&truth(kind, &["moment_window"], "lab"), &said);
+            (found.unlisted, found.confidently_wrong)
+        };
+        let kept = json!({"size": 0.1});
+        for kind in ["outside", "untouched"] {
+            assert_eq!(answered(kind, "unlisted", Value::Null), (true, false));
+            assert_eq!(answered(kind, "named", kept.clone()), (true, false));
+            assert_eq!(answered(kind, "named", Value::Null), (false, true));
+            assert_eq!(answered(kind, "named", json!("text")), (false, true), "no object");
+            assert_eq!(answered(kind, "ambiguous", kept.clone()), (false, false));
+        }
+        assert_eq!(
+            answered("effect", "named", kept),
+            (true, true),
+            "a wrong name of the catalogue stays wrong"
+        );
+    }
+
+    #[test]
+    fn sections_held_out_in_turn_say_what_a_correction_costs() {
+        let in_turn = |held_out: Value| {
+            let mut said = said("named", &["servo_lag"], &[]);
+            said.fit.held_out = held_out;
+            judged(&truth("effect", &["servo_lag"], "lab"), &said).vaf.map(|vaf| vaf.in_turn)
+        };
+        let objects =
+            json!({"baseline": {"free_run": 60.0, "one_step": 90.0}, "extended": {"free_run": 50.0}});
+        let turned = |first: Value| json!({"I": first, "IV": objects});
+        assert_eq!(in_turn(turned(json!({"baseline": 80.0, "extended": 90.0}))), Some([70.0, 70.0]));
+        assert_eq!(in_turn(turned(json!({"baseline": null, "extended": 90.0}))), Some([60.0, 50.0]));
+        assert_eq!(in_turn(json!({"IV": null})), Some([70.0, 85.0]), "as without");
+        assert_eq!(in_turn(Value::Null), None);
     }
 
     #[test]

@@ -3,8 +3,8 @@
 //! A truth is sealed by the SHA-256 of its file, which is published before the diagnosis begins; a truth that was
 //! changed afterwards is refused. `seals.txt` is in the format of `sha256sum`, so `sha256sum -c seals.txt` checks all.
 
-use crate::failure::Failure;
-use crate::output;
+use crate::Error;
+use crate::files::{json, make_folder, parse, read, read_json, write};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -35,7 +35,7 @@ struct Origin {
 
 impl Folder {
     /// Makes the folder, or goes on in one where a proof of the same seed and version was begun.
-    pub fn open(path: &Path, seed: u64, resume: bool) -> Result<Self, Failure> {
+    pub fn open(path: &Path, seed: u64, resume: bool) -> Result<Self, Error> {
         let folder = Self(path.to_owned());
         let origin = Origin { seed, version: env!("CARGO_PKG_VERSION").to_owned() };
         let place = folder.file("proof.json");
@@ -43,18 +43,17 @@ impl Folder {
         if place.exists() {
             if !resume {
                 let help = "add --resume to go on with it, or name another folder";
-                return Err(Failure::new(format!("{shown}: holds a proof already"), help));
+                return Err(Error::new(format!("{shown}: holds a proof already"), help));
             }
             let found: Origin = read_json(&place)?;
             if found != origin {
                 let Origin { seed, version } = found;
                 let message = format!("{shown}: its proof is of seed {seed} and version {version}");
-                return Err(Failure::new(message, "resume with the same seed, or name another folder"));
+                return Err(Error::new(message, "resume with the same seed, or name another folder"));
             }
         }
-        std::fs::create_dir_all(folder.file("cases"))
-            .map_err(|e| Failure::unwritable(&shown.to_string(), &e))?;
-        output::write(&place, &output::json(&origin)?)?;
+        std::fs::create_dir_all(folder.file("cases")).map_err(|e| Error::unwritable(path, &e))?;
+        write(&place, &json(&origin)?)?;
         Ok(folder)
     }
 
@@ -69,9 +68,8 @@ impl Folder {
     }
 
     /// Makes the folder of a case.
-    pub fn make(&self, case: u64) -> Result<(), Failure> {
-        let folder = self.of(case, "");
-        std::fs::create_dir_all(&folder).map_err(|e| Failure::unwritable(&folder.display().to_string(), &e))
+    pub fn make(&self, case: u64) -> Result<(), Error> {
+        make_folder(&self.of(case, ""))
     }
 
     /// Whether a case has this file.
@@ -80,24 +78,24 @@ impl Folder {
     }
 
     /// Writes the truth of a case and, last of all, its seal.
-    pub fn seal(&self, case: u64, truth: &str) -> Result<(), Failure> {
-        output::write(&self.of(case, TRUTH), truth)?;
-        output::write(&self.of(case, SEAL), &(hash(truth.as_bytes()) + "\n"))
+    pub fn seal(&self, case: u64, truth: &str) -> Result<(), Error> {
+        write(&self.of(case, TRUTH), truth)?;
+        write(&self.of(case, SEAL), &(hash(truth.as_bytes()) + "\n"))
     }
 
     /// The seal of a case: a line of `sha256sum`.
-    pub fn seal_line(&self, case: u64) -> Result<String, Failure> {
+    pub fn seal_line(&self, case: u64) -> Result<String, Error> {
         let seal = read(&self.of(case, SEAL))?;
         Ok(format!("{}  cases/{case:04}/{TRUTH}\n", seal.trim()))
     }
 
     /// Opens a truth if it is still the one that was sealed.
-    pub fn open_truth<T: DeserializeOwned>(&self, case: u64) -> Result<T, Failure> {
+    pub fn open_truth<T: DeserializeOwned>(&self, case: u64) -> Result<T, Error> {
         let path = self.of(case, TRUTH);
         let text = read(&path)?;
         if hash(text.as_bytes()) != read(&self.of(case, SEAL))?.trim() {
             let message = format!("{}: is not the file that was sealed", path.display());
-            return Err(Failure::new(message, "remove the case's folder and prove again with --resume"));
+            return Err(Error::new(message, "remove the case's folder and prove again with --resume"));
         }
         parse(&path, &text)
     }
@@ -106,24 +104,6 @@ impl Folder {
 /// SHA-256 in hexadecimal.
 fn hash(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-fn read(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|e| unreadable(path, &e.to_string()))
-}
-
-/// Reads a JSON file of a case.
-pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, Failure> {
-    parse(path, &read(path)?)
-}
-
-fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, Failure> {
-    serde_json::from_str(text).map_err(|e| unreadable(path, &e.to_string()))
-}
-
-fn unreadable(path: &Path, why: &str) -> Failure {
-    let help = "remove the case's folder and prove again with --resume";
-    Failure::new(format!("{}: cannot be read: {why}", path.display()), help)
 }
 
 #[cfg(test)]

@@ -1,0 +1,29 @@
+//! How well the diagnosis does, counted so that anyone can count again.
+//!
+//! | question | call |
+//! | --- | --- |
+//! | how often is concealed physics found, with sealed truths | [`Proof`] |
+//! | what the paper's methods reach in the simulator, in its Table 2 and figures | [`reproduce::paper`] |
+//!
+//! The simulator (`host-sim`) and the diagnosis (`sysid`) meet here and nowhere below: recordings cross, as CSV. Both
+//! questions leave a folder of files that need nothing else; the same seed gives the same bytes.
+
+mod black_box;
+pub mod canvas;
+mod conceal;
+mod confusion;
+mod error;
+mod files;
+mod judge;
+mod page;
+mod prove;
+pub mod reproduce;
+mod seal;
+mod sparse;
+mod tally;
+mod truth;
+
+pub use conceal::nominal;
+pub use error::Error;
+pub use prove::Proof;
+pub use tally::Table;
