@@ -4,9 +4,10 @@
 //! L₀ = √(1−a²)/(z−a), Lᵢ = Lᵢ₋₁ (1−a z)/(z−a) (Wahlberg 1991), so that the free run itself is fitted, by least squares.
 //! The pole a counts as a parameter; it is the best of a grid on the sections that were fitted on.
 
+use crate::sparse::HELD_OUT;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
-use sysid::diagnosis::evaluation::Trace;
+use sysid::diagnosis::traces::Trace;
 use sysid::recording::Recording;
 use sysid::validate::vaf::vaf;
 
@@ -27,13 +28,13 @@ pub fn correct(recording: &Recording, traces: &[Trace], parameters: usize) -> BT
         let filtered = laguerre(&recording.u, pole, parameters.max(2) - 1);
         let gains = fit(&parts, &filtered)?;
         let left: f64 =
-            parts.iter().filter(|p| !p.trace.held_out).map(|p| p.power_left(&filtered, &gains)).sum();
+            parts.iter().filter(|p| p.trace.label != HELD_OUT).map(|p| p.power_left(&filtered, &gains)).sum();
         Some((left, filtered, gains))
     });
     let Some((_, filtered, gains)) = fits.min_by(|a, b| a.0.total_cmp(&b.0)) else {
         return BTreeMap::new();
     };
-    let held_out = parts.iter().filter(|part| part.trace.held_out);
+    let held_out = parts.iter().filter(|part| part.trace.label == HELD_OUT);
     held_out
         .map(|part| {
             let corrected: Vec<f64> = part.errors(&filtered, &gains);
@@ -91,7 +92,7 @@ fn laguerre(input: &[f64], pole: f64, count: usize) -> Vec<Vec<f64>> {
 
 /// Gains by least squares over the sections that were fitted on.
 fn fit(parts: &[Part<'_>], filtered: &[Vec<f64>]) -> Option<Vec<f64>> {
-    let training = || parts.iter().filter(|part| !part.trace.held_out);
+    let training = || parts.iter().filter(|part| part.trace.label != HELD_OUT);
     let rows: Vec<usize> =
         training().flat_map(|part| (0..part.trace.measured.len()).map(|k| part.first_row + k)).collect();
     let residuals: Vec<f64> = training().flat_map(Part::residual).collect();
@@ -141,7 +142,6 @@ mod tests {
                 .unwrap();
         let trace = |label: &str, rows: std::ops::Range<usize>| Trace {
             label: label.into(),
-            held_out: label == "IV",
             t: Vec::new(),
             measured: residual[rows.clone()].to_vec(),
             baseline: vec![0.0; rows.len()],

@@ -2,9 +2,9 @@
 
 use crate::seal::{Folder, MODEL, RECORDING};
 use crate::{Error, files};
-use host_sim::Background;
 use host_sim::flight::Truth;
 use host_sim::trial::{Kind, Trial};
+use host_sim::{Air, Background};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use sysid::model::file::{ModelFile, PlantSection};
@@ -27,8 +27,8 @@ struct Sealed<'a> {
 }
 
 /// Draws case `number` of the proof of `seed`, flies it and writes its files. Nothing else leaves this function.
-pub fn conceal(folder: &Folder, seed: u64, number: u64) -> Result<(), Error> {
-    let trial = Trial::new(seed, number)?;
+pub fn conceal(folder: &Folder, seed: u64, air: Air, number: u64) -> Result<(), Error> {
+    let trial = Trial::new(seed, number)?.with_air(air);
     let kind = trial.kind;
     let concealed = trial.fly()?;
     let scenario = &concealed.scenario;

@@ -4,6 +4,7 @@ use crate::confusion;
 use crate::judge::Outcome;
 use crate::tally::Table;
 use crate::{Error, canvas};
+use host_sim::Air;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
@@ -32,7 +33,7 @@ struct Case<'a> {
 }
 
 /// Renders the report.
-pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64) -> Result<String, Error> {
+pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64, air: Air) -> Result<String, Error> {
     let failed = |error: minijinja::Error| {
         Error::new(format!("the report could not be made: {error}"), "results.json holds everything")
     };
@@ -44,7 +45,7 @@ pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64) -> Result<String,
         confusion: confusion::svg(outcomes),
         tables,
         cases: outcomes.iter().map(case).collect(),
-        command: command(outcomes.len(), seed),
+        command: command(outcomes.len(), seed, air),
         version: env!("CARGO_PKG_VERSION"),
         style: canvas::STYLE,
     };
@@ -52,8 +53,9 @@ pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64) -> Result<String,
 }
 
 /// How to do it again.
-pub fn command(cases: usize, seed: u64) -> String {
-    format!("pitchid prove --cases {cases} --seed {seed}")
+pub fn command(cases: usize, seed: u64, air: Air) -> String {
+    let air = if air == Air::default() { String::new() } else { format!(" --air {air}") };
+    format!("pitchid prove --cases {cases} --seed {seed}{air}")
 }
 
 /// What it was, in a sentence.
@@ -113,7 +115,7 @@ mod tests {
         let lag = truth("effect", &["servo_lag"], "lab");
         let outcomes = [judge(&lag, Some(&said("ambiguous", &["gyro_lag"], &["servo_lag"])), &beside(&[]))];
         let tables = tables(&outcomes);
-        let page = html(&outcomes, &tables, 1).unwrap();
+        let page = html(&outcomes, &tables, 1, Air::default()).unwrap();
         assert!(page.contains("ambiguous: gyro_lag, servo_lag") && page.contains("class=\"open\""), "{page}");
         assert!(tables.iter().all(|table| page.contains(table.title)));
         assert!(page.contains("pitchid prove --cases 1 --seed 1"));

@@ -4,6 +4,7 @@ use crate::judge::{Outcome, judge};
 use crate::seal::{ANSWER, BESIDE, Folder, MODEL, RECORDING, SEAL};
 use crate::truth::{Beside, Said, Sparse};
 use crate::{Error, Table, black_box, conceal, files, page, sparse, tally};
+use host_sim::Air;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use sysid::catalogue::model_file::read_model;
@@ -17,15 +18,16 @@ pub struct Proof {
     folder: Folder,
     seed: u64,
     cases: u64,
+    air: Air,
 }
 
 impl Proof {
-    /// A proof of `cases` that `seed` draws, in a new folder or, where `resume` says so, in one where it was begun.
+    /// A proof of `cases` that `seed` draws, flown in `air`, in a new folder or, where `resume` says so, in one where it was begun.
     ///
     /// # Errors
     /// A folder that cannot be written, or holds another proof.
-    pub fn open(folder: &Path, seed: u64, cases: u64, resume: bool) -> Result<Self, Error> {
-        Ok(Self { folder: Folder::open(folder, seed, resume)?, seed, cases })
+    pub fn open(folder: &Path, seed: u64, cases: u64, air: Air, resume: bool) -> Result<Self, Error> {
+        Ok(Self { folder: Folder::open(folder, seed, air, resume)?, seed, cases, air })
     }
 
     /// Conceals and seals; the answer is the hash of every truth, a line each as `sha256sum` writes it.
@@ -33,13 +35,10 @@ impl Proof {
     /// # Errors
     /// A case that could not be flown or written.
     pub fn seal(&self, done: &(dyn Fn() + Sync)) -> Result<String, Error> {
-        let Self { folder, seed, cases } = self;
-        self.each(
-            done,
-            |case| {
-                if folder.has(case, SEAL) { Ok(()) } else { conceal::conceal(folder, *seed, case) }
-            },
-        )?;
+        let Self { folder, seed, cases, air } = self;
+        self.each(done, |case| {
+            if folder.has(case, SEAL) { Ok(()) } else { conceal::conceal(folder, *seed, *air, case) }
+        })?;
         let seals: String = (0..*cases).map(|case| folder.seal_line(case)).collect::<Result<_, _>>()?;
         files::write(&folder.file("seals.txt"), &seals)?;
         Ok(seals)
@@ -64,9 +63,9 @@ impl Proof {
         let tables = tally::tables(&outcomes);
         files::write(&self.folder.file("results.json"), &files::json(&outcomes)?)?;
         let markdown: String = tables.iter().map(Table::markdown).collect();
-        let (command, lead) = (page::command(outcomes.len(), self.seed), page::lead(&outcomes));
+        let (command, lead) = (page::command(outcomes.len(), self.seed, self.air), page::lead(&outcomes));
         files::write(&self.folder.file("table.md"), &format!("{lead} `{command}`\n\n{markdown}"))?;
-        files::write(&self.report(), &page::html(&outcomes, &tables, self.seed)?)?;
+        files::write(&self.report(), &page::html(&outcomes, &tables, self.seed, self.air)?)?;
         Ok(tables)
     }
 

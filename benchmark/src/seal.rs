@@ -5,6 +5,7 @@
 
 use crate::Error;
 use crate::files::{json, make_folder, parse, read, read_json, write};
+use host_sim::Air;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -31,13 +32,15 @@ pub struct Folder(PathBuf);
 struct Origin {
     seed: u64,
     version: String,
+    #[serde(default)]
+    air: Air,
 }
 
 impl Folder {
     /// Makes the folder, or goes on in one where a proof of the same seed and version was begun.
-    pub fn open(path: &Path, seed: u64, resume: bool) -> Result<Self, Error> {
+    pub fn open(path: &Path, seed: u64, air: Air, resume: bool) -> Result<Self, Error> {
         let folder = Self(path.to_owned());
-        let origin = Origin { seed, version: env!("CARGO_PKG_VERSION").to_owned() };
+        let origin = Origin { seed, version: env!("CARGO_PKG_VERSION").to_owned(), air };
         let place = folder.file("proof.json");
         let shown = path.display();
         if place.exists() {
@@ -47,9 +50,10 @@ impl Folder {
             }
             let found: Origin = read_json(&place)?;
             if found != origin {
-                let Origin { seed, version } = found;
-                let message = format!("{shown}: its proof is of seed {seed} and version {version}");
-                return Err(Error::new(message, "resume with the same seed, or name another folder"));
+                let Origin { seed, version, air } = found;
+                let message =
+                    format!("{shown}: its proof is of seed {seed}, version {version} and air {air}");
+                return Err(Error::new(message, "resume with the same seed and air, or name another folder"));
             }
         }
         std::fs::create_dir_all(folder.file("cases")).map_err(|e| Error::unwritable(path, &e))?;
@@ -120,7 +124,7 @@ mod tests {
     #[test]
     fn a_truth_that_was_changed_is_refused() {
         let place = tempfile::tempdir().unwrap();
-        let folder = Folder::open(place.path(), 1, false).unwrap();
+        let folder = Folder::open(place.path(), 1, Air::default(), false).unwrap();
         folder.make(3).unwrap();
         folder.seal(3, "[1, 2]").unwrap();
         assert_eq!(folder.open_truth::<Vec<u8>>(3).unwrap(), [1, 2]);
@@ -132,9 +136,12 @@ mod tests {
     #[test]
     fn a_folder_is_gone_on_with_only_where_that_was_asked_for_and_the_seed_is_the_same() {
         let place = tempfile::tempdir().unwrap();
-        Folder::open(place.path(), 1, false).unwrap();
-        assert!(Folder::open(place.path(), 1, false).is_err());
-        assert!(Folder::open(place.path(), 1, true).is_ok());
-        assert!(Folder::open(place.path(), 2, true).is_err_and(|e| e.to_string().contains("seed 1")));
+        Folder::open(place.path(), 1, Air::default(), false).unwrap();
+        assert!(Folder::open(place.path(), 1, Air::default(), false).is_err());
+        assert!(Folder::open(place.path(), 1, Air::default(), true).is_ok());
+        assert!(
+            Folder::open(place.path(), 2, Air::default(), true)
+                .is_err_and(|e| e.to_string().contains("seed 1"))
+        );
     }
 }

@@ -20,7 +20,7 @@ const REACH: usize = 4;
 /// Thresholds on a term's effective contribution, relative to the effective value of the residual.
 const THRESHOLDS: [f64; 11] = [0.02, 0.04, 0.06, 0.09, 0.13, 0.18, 0.25, 0.35, 0.5, 0.7, f64::INFINITY];
 /// Section that is held out.
-const HELD_OUT: &str = "IV";
+pub const HELD_OUT: &str = "IV";
 
 /// A candidate: its name and the ids that it may stand for.
 struct Candidate {

@@ -2,7 +2,7 @@
 
 use crate::format;
 use crate::output::width;
-use crate::report::content::{Content, DullRows, plant_meaning};
+use crate::report::content::{CheckRows, Content, plant_meaning};
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use std::fmt::Write as _;
 use sysid::estimate::Estimate;
@@ -42,7 +42,7 @@ pub fn diagnosis(content: &Content) -> String {
     let mut text = paragraph(&format!("{}: {}", content.verdict.to_uppercase(), content.headline));
     text.push('\n');
     text.push_str(&paragraph(&answer.summary));
-    text.push_str(&dull(&content.dull));
+    text.push_str(&checks(&content.checks));
     text.push_str(&fit(content));
     for effect in &content.effects {
         text.push_str(&heading(&format!("Added: {} ({})", effect.id, effect.locus)));
@@ -52,9 +52,9 @@ pub fn diagnosis(content: &Content) -> String {
             text.push_str(&indented(&format!("instead possible: {alternatives}"), "  ", "  "));
         }
     }
-    if let (Some(placebo), false) = (&content.placebo, content.effects.is_empty()) {
-        text.push('\n');
-        text.push_str(&paragraph(placebo));
+    if let Some(remainder) = &content.remainder {
+        text.push_str(&heading("What is left"));
+        text.push_str(&indented(remainder, "  ", "  "));
     }
     text.push_str(&parameters(content));
     text.push_str(&location(content));
@@ -71,7 +71,7 @@ pub fn diagnosis(content: &Content) -> String {
     text + &notes(&answer.notes)
 }
 
-fn dull(rows: &DullRows) -> String {
+fn checks(rows: &CheckRows) -> String {
     let found = rows.found.iter().map(|(cause, words)| format!("{cause}: found; {words}"));
     let listed = [("cannot tell", &rows.unknown), ("ruled out", &rows.ruled_out)];
     let listed = listed.into_iter().filter(|(_, names)| !names.is_empty());
@@ -79,7 +79,7 @@ fn dull(rows: &DullRows) -> String {
         .chain(listed.map(|(what, names)| format!("{what}: {names}")))
         .map(|line| indented(&line, "  ", "    "))
         .collect();
-    if lines.is_empty() { String::new() } else { heading("Dull causes") + &lines.concat() }
+    if lines.is_empty() { String::new() } else { heading("Checks of the data") + &lines.concat() }
 }
 
 fn fit(content: &Content) -> String {
@@ -88,15 +88,22 @@ fn fit(content: &Content) -> String {
     }
     let changed = !content.effects.is_empty();
     let rows = content.fit.iter().map(|row| {
-        let mark = if row.held_out { " (held out)" } else { "" };
-        let after = changed.then(|| row.extended.clone());
-        let left = [format!("{}{mark}", row.section), row.baseline.clone()];
-        left.into_iter().chain(after).chain([row.ceiling.clone()]).collect()
+        let after = |cell: &String| changed.then(|| cell.clone());
+        let near = [Some(row.near_baseline.clone()), after(&row.near_extended)];
+        let free = [Some(row.baseline.clone()), after(&row.extended), Some(row.ceiling.clone())];
+        [row.section.clone()]
+            .into_iter()
+            .chain(near.into_iter().flatten())
+            .chain(free.into_iter().flatten())
+            .collect()
     });
-    let header: &[&str] =
-        if changed { &["section", "before", "after", "ceiling"] } else { &["section", "model", "ceiling"] };
+    let header: &[&str] = if changed {
+        &["section", "1 s ahead: before", "after", "free run: before", "after", "ceiling"]
+    } else {
+        &["section", "1 s ahead", "free run", "ceiling"]
+    };
     heading(
-        "VAF of the simulated pitch motion, % (parameters estimated again; ceiling: the best of any model fitted to the section itself)",
+        "VAF, %, of each section by models selected and fitted without it (ceiling: an unstructured linear model fitted to the section itself)",
     ) + &table(header, rows, 1)
 }
 

@@ -200,23 +200,45 @@ fn a_diagnosis_answers_in_every_form() {
     let bench = Bench::new().with_friction();
     let files = ["--json", "a.json", "--report", "a.html", "--out-model", "a.toml"];
     let printed = bench.answered(&[&["diagnose", "flight.csv"], &files[..]].concat());
-    assert_names(&printed, &["VAF", "IV (held out)", "dM_dq", "N m", "95 %", "coulomb_friction", "a.html"]);
+    assert_names(
+        &printed,
+        &["VAF", "1 s ahead", "free run", "dM_dq", "N m", "95 %", "coulomb_friction", "a.html"],
+    );
 
     let answer = bench.json("a.json");
-    let keys = ["schema", "verdict", "summary", "effects", "location", "fit", "next_experiment", "notes"];
+    let keys = [
+        "schema",
+        "verdict",
+        "summary",
+        "effects",
+        "remainder",
+        "location",
+        "fit",
+        "next_experiment",
+        "notes",
+    ];
     for key in keys {
         assert!(answer.get(key).is_some(), "{key}");
     }
     assert_eq!(answer["schema"], "pitchid.diagnosis/1");
     let effect = &answer["effects"][0];
     assert_eq!(effect["id"], "coulomb_friction");
-    for key in ["locus", "equation", "parameters", "probability", "alternatives", "evidence"] {
+    for key in ["locus", "equation", "parameters", "probability", "share", "alternatives", "evidence"] {
         assert!(effect.get(key).is_some(), "{key}");
+    }
+    for key in ["log_evidence", "p_value", "vaf_gain_points", "held_out_log_likelihood"] {
+        assert!(effect["evidence"].get(key).is_some(), "{key}");
     }
     let parameter = &effect["parameters"][0];
     let [low, high] = [0, 1].map(|end| parameter["ci95"][end].as_f64().unwrap());
     assert!(low < high && parameter["unit"] == "N m", "{parameter}");
-    assert!(answer["fit"]["held_out"].as_array().unwrap().contains(&"IV".into()));
+    for section in ["I", "II", "III", "IV"] {
+        let held = &answer["fit"]["held_out"][section];
+        for (model, key) in [("baseline", "free_run"), ("extended", "0.1"), ("extended", "1.0")] {
+            assert!(!held[model][key].is_null(), "{section} {model} {key}");
+        }
+    }
+    assert_eq!(answer["fit"]["chosen_in"]["coulomb_friction"], serde_json::json!([4, 4]));
 
     let page = bench.read("a.html");
     for external in ["http:", "https:", "src=", "href=", "@import", "url("] {
@@ -376,8 +398,8 @@ fn real_recordings_are_answered() {
     let bench = Bench::new();
     let printed =
         bench.answered(&["diagnose", recording.to_str().unwrap(), "--report", "r.html", "--json", "r.json"]);
-    assert_names(&printed, &["VAF", "IV (held out)"]);
-    assert_eq!(bench.json("r.json")["fit"]["held_out"][0], "IV");
+    assert_names(&printed, &["VAF", "1 s ahead"]);
+    assert!(!bench.json("r.json")["fit"]["held_out"]["IV"].is_null());
     assert!(bench.read("r.html").len() < 1_000_000);
 }
 
@@ -439,14 +461,13 @@ fn a_reversed_rate_and_degrees_for_radians_are_told_before_any_physics() {
         bench.write("spoilt.csv", &scaled(&bench.read("flight.csv"), "q_rad_s", factor));
         let command = ["diagnose", "spoilt.csv", "--model", "model.toml", "--json", "a.json"];
         let printed = bench.answered(&command);
-        assert_names(&printed, &["Dull causes", &cause.replace('_', " "), "--column", "ruled out"]);
+        assert_names(&printed, &["Checks of the data", &cause.replace('_', " "), "--column", "ruled out"]);
         let answer = bench.json("a.json");
-        assert_eq!(answer["verdict"], "unlisted");
-        assert_eq!(answer["effects"].as_array().unwrap().len(), 1);
-        assert_eq!(answer["effects"][0]["id"], "unlisted");
-        assert_names(answer["effects"][0]["equation"].as_str().unwrap(), &[&format!("--column '{option}'")]);
-        assert_names(answer["summary"].as_str().unwrap(), &["q_rad_s", "No physics is named"]);
-        let causes = answer["dull_causes"].as_array().unwrap();
+        assert_eq!(answer["verdict"], "check_data");
+        assert!(answer["effects"].as_array().unwrap().is_empty());
+        let option_named = format!("--column '{option}'");
+        assert_names(answer["summary"].as_str().unwrap(), &["q_rad_s", "No physics is named", &option_named]);
+        let causes = answer["data_checks"].as_array().unwrap();
         let found: Vec<&Value> = causes.iter().filter(|c| c["state"] == "found").collect();
         assert!(found.iter().any(|c| c["cause"] == cause), "{found:?}");
 

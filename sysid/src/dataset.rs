@@ -182,7 +182,7 @@ impl Dataset {
         if self.thinned > 1 {
             let rate = 1.0 / self.runs.first().map_or(1.0, |run| run.step);
             notes.push(format!(
-                "{} samples were averaged into one: the motion is slow against the sampling, and is looked at at {rate:.0} Hz",
+                "{} samples were averaged into one: the motion is slow against the sampling, and {rate:.0} Hz show it",
                 self.thinned
             ));
         }

@@ -11,8 +11,9 @@ use sysid::diagnosis::{Diagnosis, diagnose};
 
 /// Says what physics the model of these recordings leaves out, and what adding it gains
 ///
-/// Prints the verdict, a summary, the VAF before and after by section (what was held out is marked), the parameters with
-/// units and 95 % intervals, where the model differs, and the next experiment where candidates remain.
+/// Prints the verdict, a summary, the checks of the data, the VAF before and after of each section by models that were
+/// selected and fitted without it, the parameters with units and 95 % intervals, where the model differs, what is left, and
+/// the next experiment where candidates remain.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -35,10 +36,11 @@ pub struct Arguments {
 const AFTER_HELP: &str = "\
 Verdicts:
   no_mismatch   the model, its parameters estimated again, explains the data down to the noise
-  named         the missing physics is identified and its rivals are ruled out
+  named         the missing physics is identified, its rivals are ruled out, and what is left beside it is small
   ambiguous     physics is missing and candidates remain, listed with the experiment that separates them
   unlisted      physics is missing and nothing in the catalogue explains it
   not_excited   the data cannot tell: too short, too weak, too noisy
+  check_data    something about the recording has to be put right first; the option that does it is named
 
 Examples:
   pitchid diagnose flight.csv --model sim.toml --report flight.html --out-model extended.toml

@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::{output, text};
 use benchmark::Proof;
 use clap::Args;
+use host_sim::Air;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 
@@ -27,6 +28,10 @@ pub struct Arguments {
     /// Folder for the cases and the results
     #[arg(long, value_name = "DIR", default_value = "pitchid-proof")]
     out: PathBuf,
+
+    /// Kind of background: band_passed, three_poles, heavy_tailed or grows_with_command. The noise model has the first
+    #[arg(long, value_name = "WORD", default_value_t)]
+    air: Air,
 
     /// Go on in a folder where a proof was begun; finished cases are not done again
     #[arg(long)]
@@ -53,8 +58,8 @@ Exit status: 0 the proof was made, however it came out; 2 the arguments or the f
 
 /// Proves.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { cases, seed, ref out, resume, jobs } = *arguments;
-    let proof = Proof::open(out, seed, cases, resume)?;
+    let Arguments { cases, seed, air, ref out, resume, jobs } = *arguments;
+    let proof = Proof::open(out, seed, cases, air, resume)?;
     let jobs = jobs.map_or(0, |jobs| jobs as usize);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     let pool = pool.map_err(|e| Failure::new(format!("no threads: {e}"), "ask for fewer --jobs"))?;

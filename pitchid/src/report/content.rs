@@ -3,10 +3,9 @@
 use crate::format::{self, Shown};
 use serde::Serialize;
 use sysid::catalogue;
-use sysid::catalogue::scaled_shape::UNLISTED;
-use sysid::diagnosis::answer::{Answer, EffectAnswer, PlaceboAnswer, Verdict};
-use sysid::diagnosis::data_checks::{self, DullCause, State};
-use sysid::diagnosis::evaluation::Trace;
+use sysid::diagnosis::answer::{Answer, EffectAnswer, Verdict, WithError};
+use sysid::diagnosis::data_checks::{DataCheck, State};
+use sysid::diagnosis::traces::Trace;
 use sysid::estimate::Estimate;
 use sysid::model::file::ModelFile;
 
@@ -31,11 +30,11 @@ pub struct Content {
     /// VAF by section.
     pub fit: Vec<FitRow>,
     /// What could make model and data differ without missing physics.
-    pub dull: DullRows,
+    pub checks: CheckRows,
     /// Effects that were added.
     pub effects: Vec<EffectRow>,
-    /// What a term of the same size gains that nothing calls for.
-    pub placebo: Option<String>,
+    /// What is left beside them.
+    pub remainder: Option<String>,
     /// Parameters.
     pub parameters: Vec<ParameterRow>,
     /// Time, band, variable.
@@ -44,9 +43,9 @@ pub struct Content {
     pub answer: Answer,
 }
 
-/// Dull causes by what became of them.
+/// Checks of the data by what became of them.
 #[derive(Clone, Debug, Serialize)]
-pub struct DullRows {
+pub struct CheckRows {
     /// Those that are there: name and words.
     pub found: Vec<(String, String)>,
     /// Names of those that the data cannot tell.
@@ -55,17 +54,19 @@ pub struct DullRows {
     pub ruled_out: String,
 }
 
-/// VAF of one section, per cent.
+/// VAF of one section that was held out, per cent.
 #[derive(Clone, Debug, Serialize)]
 pub struct FitRow {
     /// Section.
     pub section: String,
-    /// Whether anything was fitted on it.
-    pub held_out: bool,
-    /// Before.
+    /// Free run, before.
     pub baseline: String,
-    /// After.
+    /// Free run, after.
     pub extended: String,
+    /// Predictions 1 s ahead, before.
+    pub near_baseline: String,
+    /// Predictions 1 s ahead, after.
+    pub near_extended: String,
     /// What the best unstructured linear model reaches.
     pub ceiling: String,
 }
@@ -133,31 +134,23 @@ impl Content {
             version: env!("CARGO_PKG_VERSION"),
             recordings,
             model: model.map(|(name, _)| name.to_owned()),
-            verdict: match answer.verdict {
-                Verdict::Unlisted if data_checks::stop(&answer.dull_causes) => "the data first",
-                other => verdict(other),
-            },
+            verdict: verdict(answer.verdict),
             headline: headline(answer),
             tone: match answer.verdict {
                 Verdict::NoMismatch => "good",
                 Verdict::Named => "found",
                 Verdict::Ambiguous | Verdict::Unlisted => "open",
-                Verdict::NotExcited => "none",
+                Verdict::NotExcited | Verdict::CheckData => "none",
             },
             fit: fit_rows(answer, traces),
-            dull: dull_rows(&answer.dull_causes),
-            effects: answer.effects.iter().filter(|e| was_added(e)).map(effect_row).collect(),
-            placebo: answer.fit.placebo.as_ref().map(placebo_words),
+            checks: check_rows(&answer.data_checks),
+            effects: answer.effects.iter().map(effect_row).collect(),
+            remainder: remainder_words(answer),
             parameters: parameter_rows(answer, model.map(|(_, model)| model)),
             location: location_row(answer, traces),
             answer: answer.clone(),
         }
     }
-}
-
-/// Whether an effect was added to the model, and not only described.
-pub fn was_added(effect: &EffectAnswer) -> bool {
-    effect.id != UNLISTED || !effect.parameters.is_empty()
 }
 
 fn verdict(verdict: Verdict) -> &'static str {
@@ -167,6 +160,7 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Ambiguous => "missing physics, ambiguous",
         Verdict::Unlisted => "missing physics, unlisted",
         Verdict::NotExcited => "not excited",
+        Verdict::CheckData => "the data first",
     }
 }
 
@@ -175,9 +169,7 @@ fn headline(answer: &Answer) -> String {
     match answer.verdict {
         Verdict::NoMismatch => "Nothing is missing that these data would show".into(),
         Verdict::NotExcited => "These data cannot tell".into(),
-        Verdict::Unlisted if data_checks::stop(&answer.dull_causes) => {
-            "The data are to be put right first".into()
-        }
+        Verdict::CheckData => "The data are to be put right first".into(),
         Verdict::Unlisted => "Something is missing that the catalogue does not list".into(),
         Verdict::Named => capitalised(&sentences.join("; and ")),
         Verdict::Ambiguous => {
@@ -204,10 +196,10 @@ pub fn spoken(word: &impl Serialize) -> String {
     json.and_then(|v| v.as_str().map(|s| s.replace('_', " "))).unwrap_or_default()
 }
 
-fn dull_rows(causes: &[DullCause]) -> DullRows {
+fn check_rows(causes: &[DataCheck]) -> CheckRows {
     let of = |state: State| causes.iter().filter(move |c| c.state == state);
     let names = |state: State| of(state).map(|c| spoken(&c.cause)).collect::<Vec<_>>().join(", ");
-    DullRows {
+    CheckRows {
         found: of(State::Found).map(|c| (spoken(&c.cause), c.words.clone())).collect(),
         unknown: names(State::CannotTell),
         ruled_out: names(State::RuledOut),
@@ -215,35 +207,41 @@ fn dull_rows(causes: &[DullCause]) -> DullRows {
 }
 
 fn fit_rows(answer: &Answer, traces: &[Trace]) -> Vec<FitRow> {
-    let fit = &answer.fit;
-    let mut sections: Vec<&String> = traces.iter().map(|t| &t.label).collect();
-    for label in fit.baseline.vaf_percent.keys() {
+    let held = &answer.fit.held_out;
+    let mut sections: Vec<&String> = Vec::new();
+    for label in traces.iter().map(|t| &t.label).chain(held.keys()) {
         if !sections.contains(&label) {
             sections.push(label);
         }
     }
-    let shown = |table: &std::collections::BTreeMap<String, f64>, section: &String| {
-        table.get(section).map_or("-".into(), |v| format::percent(*v))
+    let ahead = |vaf: Option<&WithError>| {
+        vaf.map_or("-".into(), |v| {
+            format!("{} ± {}", format::percent(v.value), format::percent(v.standard_error))
+        })
     };
-    let row = |section: &String| FitRow {
-        held_out: fit.held_out.contains(section),
-        baseline: shown(&fit.baseline.vaf_percent, section),
-        extended: shown(&fit.extended.vaf_percent, section),
-        ceiling: shown(&fit.ceiling_vaf_percent, section),
-        section: section.clone(),
+    let row = |section: &&String| {
+        let found = held.get(*section)?;
+        let ceiling = answer.fit.ceiling_vaf_percent.get(*section);
+        Some(FitRow {
+            baseline: format::percent(found.baseline.free_run),
+            extended: format::percent(found.extended.free_run),
+            near_baseline: ahead(found.baseline.horizons.get("1.0")),
+            near_extended: ahead(found.extended.horizons.get("1.0")),
+            ceiling: ceiling.map_or("-".into(), |v| format::percent(*v)),
+            section: (*section).clone(),
+        })
     };
-    sections.into_iter().map(row).collect()
+    sections.iter().filter_map(row).collect()
 }
 
-fn placebo_words(placebo: &PlaceboAnswer) -> String {
-    format!(
-        "A placebo of the same size ({} of arbitrary frequency instead): gain in BIC {}, held-out VAF {:+.1} points, \
-         held-out 2 ln likelihood {:+.0}",
-        if placebo.parameters == 1 { "one sine".into() } else { format!("{} sines", placebo.parameters) },
-        format::plain(placebo.delta_bic),
-        placebo.vaf_gain_points,
-        placebo.held_out_log_likelihood_gain,
-    )
+fn remainder_words(answer: &Answer) -> Option<String> {
+    let left = answer.remainder.as_ref()?;
+    let tests: Vec<String> =
+        left.tests.iter().map(|t| format!("{} (p = {:.0e})", t.name, t.p_value)).collect();
+    let failed =
+        if tests.is_empty() { String::new() } else { format!(" Tests that fail: {}.", tests.join(", ")) };
+    let equation = if left.equation.is_empty() { String::new() } else { format!(" {}.", left.equation) };
+    Some(format!("{}: {:.1} % of what can be closed.{equation}{failed}", left.words, 100.0 * left.share))
 }
 
 fn effect_row(effect: &EffectAnswer) -> EffectRow {
@@ -258,14 +256,23 @@ fn effect_row(effect: &EffectAnswer) -> EffectRow {
         equation: effect.equation.clone(),
         locus: spoken(&effect.locus),
         evidence: format!(
-            "probability {:.1} %, BIC lower by {}, p {chance}; held-out VAF {:+.1} points, held-out 2 ln likelihood {:+.0}",
-            100.0 * effect.probability,
-            format::plain(evidence.delta_bic),
-            evidence.vaf_gain_points,
-            evidence.held_out_log_likelihood_gain,
+            "probability {}, {:.0} % of what can be closed, log evidence {}, p {chance}; on held-out data, by this term alone: \
+             VAF {:+.1} ± {:.1} points, 2 ln likelihood {:+.0} ± {:.0}",
+            probability(effect.probability),
+            100.0 * effect.share,
+            format::plain(evidence.log_evidence),
+            evidence.vaf_gain_points.value,
+            evidence.vaf_gain_points.standard_error,
+            evidence.held_out_log_likelihood.value,
+            evidence.held_out_log_likelihood.standard_error,
         ),
         alternatives: (!alternatives.is_empty()).then(|| alternatives.join(", ")),
     }
+}
+
+/// Never 0 or 100 %, which no data give.
+fn probability(p: f64) -> String {
+    if p > 0.999 { "over 99.9 %".into() } else { format!("{:.1} %", 100.0 * p) }
 }
 
 fn parameter_rows(answer: &Answer, model: Option<&ModelFile>) -> Vec<ParameterRow> {
@@ -341,12 +348,12 @@ fn location_row(answer: &Answer, traces: &[Trace]) -> Option<LocationRow> {
     })
 }
 
-/// Whether windows of time cover nearly everything that was fitted on, and so say nothing.
+/// Whether windows of time cover nearly everything, and so say nothing.
 pub fn is_everywhere(windows: &[[f64; 2]], traces: &[Trace]) -> bool {
     let inside = |t: &f64| windows.iter().any(|[from, to]| (*from..=*to).contains(t));
-    let fitted = || traces.iter().filter(|t| !t.held_out).flat_map(|t| &t.t);
-    let covered = fitted().filter(|t| inside(t)).count();
-    covered as f64 >= NEARLY_EVERYTHING * fitted().count() as f64
+    let all = || traces.iter().flat_map(|t| &t.t);
+    let covered = all().filter(|t| inside(t)).count();
+    covered as f64 >= NEARLY_EVERYTHING * all().count() as f64
 }
 
 /// A signal of the answer as it is written in formulae.

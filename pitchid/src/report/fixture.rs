@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 use sysid::diagnosis::answer::{
-    Alternative, Answer, Dependence, EffectAnswer, Evidence, FitAnswer, Location, ModelAnswer,
-    NextExperiment, PlaceboAnswer, Verdict,
+    Alternative, Answer, Dependence, EffectAnswer, Evidence, FailedTest, FitAnswer, HeldOutAnswer, Location,
+    ModelAnswer, NextExperiment, Remainder, VafAnswer, Verdict, WithError,
 };
-use sysid::diagnosis::data_checks::{DullCause, Gravity};
+use sysid::diagnosis::data_checks::{DataCheck, Gravity};
 use sysid::estimate::Estimate;
 use sysid::model::effect::Locus;
 
@@ -20,7 +20,7 @@ pub fn model(vaf: f64, parameters: Vec<Estimate>) -> ModelAnswer {
     ModelAnswer {
         vaf_percent: BTreeMap::from([("I".into(), vaf), (HOSTILE.into(), vaf)]),
         parameters,
-        simulation_parameters: BTreeMap::new(),
+        ..ModelAnswer::default()
     }
 }
 
@@ -39,13 +39,19 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
         parameters: vec![parameter],
         probability: 0.7,
         alternatives: alternatives.clone(),
+        share: 0.9,
         evidence: Evidence {
-            delta_bic: 3926.0,
+            log_evidence: 1963.0,
             p_value: 0.0,
-            vaf_gain_points: 16.7,
-            held_out_log_likelihood_gain: 900.0,
+            vaf_gain_points: WithError { value: 16.7, standard_error: 1.0 },
+            held_out_log_likelihood: WithError { value: 900.0, standard_error: 80.0 },
         },
     };
+    let vaf = |free_run| VafAnswer {
+        free_run,
+        horizons: BTreeMap::from([("1.0", WithError { value: free_run + 1.0, standard_error: 0.5 })]),
+    };
+    let held = |_| HeldOutAnswer { baseline: vaf(79.6), extended: vaf(96.3), terms: Vec::new() };
     Answer {
         schema: "pitchid.diagnosis/1",
         verdict,
@@ -55,16 +61,18 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
         fit: FitAnswer {
             baseline: model(79.6, plant()),
             extended: model(96.3, after),
-            held_out: vec![HOSTILE.into()],
+            held_out: ["I", HOSTILE].map(|label| (label.to_owned(), held(label))).into(),
+            chosen_in: BTreeMap::new(),
             ceiling_vaf_percent: BTreeMap::from([("I".into(), 97.0)]),
-            placebo: Some(PlaceboAnswer {
-                parameters: 2,
-                delta_bic: -15.3,
-                vaf_percent: BTreeMap::from([("I".into(), 79.7)]),
-                vaf_gain_points: 0.1,
-                held_out_log_likelihood_gain: -2.0,
-            }),
         },
+        remainder: Some(Remainder {
+            words: "a friction that falls with the speed".into(),
+            variable: "q".into(),
+            equation: String::new(),
+            parameters: Vec::new(),
+            share: 0.04,
+            tests: vec![FailedTest { name: "constancy", p_value: 1e-4 }],
+        }),
         next_experiment: Some(NextExperiment {
             switching_s: [0.05, 0.1],
             amplitude_rad: 0.012,
@@ -73,10 +81,10 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
             separates: ["coulomb_friction".into(), "servo_deadband".into()],
             why: "a small signal shows the deadband".into(),
         }),
-        dull_causes: vec![
-            DullCause::found("feedback", Gravity::Headline, HOSTILE),
-            DullCause::cannot_tell("input_hold", "half a sample"),
-            DullCause::ruled_out("rate_sign", "correlation 1.00"),
+        data_checks: vec![
+            DataCheck::found("feedback", Gravity::Headline, HOSTILE),
+            DataCheck::cannot_tell("input_hold", "half a sample"),
+            DataCheck::ruled_out("rate_sign", "correlation 1.00"),
         ],
         notes: vec![HOSTILE.into()],
     }

@@ -8,13 +8,13 @@ pub mod traces;
 
 use crate::failure::Failure;
 use benchmark::canvas;
-use content::{Content, is_everywhere, symbol, was_added};
+use content::{Content, is_everywhere, symbol};
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
 use sysid::diagnosis::answer::{Answer, Dependence};
-use sysid::diagnosis::evaluation::Trace;
 use sysid::diagnosis::over_time::{OverTime, ResidualMoment};
+use sysid::diagnosis::traces::Trace;
 use traces::View;
 
 /// Sections drawn besides the first that was held out; a report of more would be too long to read.
@@ -112,25 +112,24 @@ fn moments(content: &Content, traces: &[Trace], over_time: &OverTime) -> Result<
     (0..count.min(MOST_RECORDINGS)).map(figure).collect()
 }
 
-/// The first section that was held out, or else the first.
+/// The last section: the closed loop, where a test has one.
 pub fn headline_trace(traces: &[Trace]) -> Option<&Trace> {
-    traces.iter().find(|t| t.held_out).or(traces.first())
+    traces.last()
 }
 
 /// Whether anything was added to the model.
 pub fn is_changed(answer: &Answer) -> bool {
-    answer.effects.iter().any(was_added)
+    !answer.effects.is_empty()
 }
 
 fn caption(content: &Content, trace: &Trace) -> String {
-    let held = if trace.held_out { ", held out: nothing was fitted on it" } else { "" };
     let row = content.fit.iter().find(|row| row.section == trace.label);
     let vaf = match row {
         Some(row) if is_changed(&content.answer) => format!(". VAF {} % → {} %", row.baseline, row.extended),
         Some(row) => format!(". VAF {} %", row.baseline),
         None => String::new(),
     };
-    format!("Section {}{held}{vaf}", trace.label)
+    format!("Section {}, held out: the models were selected and fitted without it{vaf}", trace.label)
 }
 
 /// The windows of the answer, unless they are nearly everything.

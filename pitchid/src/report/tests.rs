@@ -1,6 +1,5 @@
 use super::fixture::{HOSTILE, model};
 use super::*;
-use std::collections::BTreeMap;
 use sysid::diagnosis::answer::{FitAnswer, Verdict};
 
 fn answer() -> Answer {
@@ -10,16 +9,15 @@ fn answer() -> Answer {
 fn traces() -> Vec<Trace> {
     let t: Vec<f64> = (0..500).map(|k| 0.02 * f64::from(k)).collect();
     let wave: Vec<f64> = t.iter().map(|t| t.sin()).collect();
-    let trace = |label: &str, held_out| Trace {
+    let trace = |label: &str| Trace {
         label: label.into(),
-        held_out,
         t: t.clone(),
         measured: wave.clone(),
         baseline: wave.clone(),
         extended: wave.clone(),
         unit: "rad/s",
     };
-    vec![trace("I", false), trace(HOSTILE, true)]
+    vec![trace("I"), trace(HOSTILE)]
 }
 
 fn over_time() -> OverTime {
@@ -70,7 +68,7 @@ fn every_part_of_the_answer_is_shown() {
         "97.0",
         "held out",
         "sign(q)",
-        "A placebo of the same size",
+        "a friction that falls with the speed",
     ];
     for part in parts {
         assert!(page.contains(part), "{part}");
@@ -84,17 +82,12 @@ fn every_part_of_the_answer_is_shown() {
 #[test]
 fn an_answer_without_anything_is_a_page_too() {
     let nothing = || model(0.0, Vec::new());
-    let fit = FitAnswer {
-        baseline: nothing(),
-        extended: nothing(),
-        held_out: Vec::new(),
-        ceiling_vaf_percent: BTreeMap::new(),
-        placebo: None,
-    };
+    let fit = FitAnswer { baseline: nothing(), extended: nothing(), ..FitAnswer::default() };
     let empty = Answer {
         verdict: Verdict::NotExcited,
         effects: Vec::new(),
         location: None,
+        remainder: None,
         fit,
         next_experiment: None,
         notes: Vec::new(),
@@ -140,11 +133,11 @@ fn parameters_of_one_name_belong_to_their_own_effects() {
 }
 
 #[test]
-fn a_term_without_a_name_is_shown_as_added_where_it_has_values() {
+fn columns_after_are_there_only_where_something_was_added() {
     let mut answer = fixture::answer(Verdict::Unlisted, &[("unlisted", 0.1)], &[]);
     let with = page(&answer, &traces());
     assert!(with.contains("What was added") && with.contains("after, %"));
-    answer.effects[0].parameters.clear();
+    answer.effects.clear();
     let without = page(&answer, &traces());
     assert!(!without.contains("What was added") && !without.contains("after, %"));
 }

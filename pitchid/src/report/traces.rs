@@ -7,7 +7,7 @@ use benchmark::canvas::{
 };
 use plotters::prelude::*;
 use std::ops::Range;
-use sysid::diagnosis::evaluation::Trace;
+use sysid::diagnosis::traces::Trace;
 
 /// Points of each curve in the large picture.
 const POINTS_LARGE: usize = 2000;
@@ -141,7 +141,6 @@ mod tests {
         let wave = |gain: f64| t.iter().map(|t| gain * t.sin()).collect();
         Trace {
             label: "IV<x>".into(),
-            held_out: true,
             measured: wave(1.0),
             baseline: wave(0.7),
             extended: wave(0.95),

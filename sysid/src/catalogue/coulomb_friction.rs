@@ -1,7 +1,7 @@
 //! Dry friction in the pivot.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 
 /// M −= Mc sign q, sticks at rest.
 ///
@@ -19,6 +19,9 @@ impl Effect for CoulombFriction {
             variable: "q",
             condition: "when the pitch rate changes sign",
         }
+    }
+    fn class(&self) -> Option<Class> {
+        Some(Class::SmallSignals)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = 0.1 * data.moment;

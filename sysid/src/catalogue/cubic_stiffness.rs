@@ -1,7 +1,7 @@
 //! A cable or umbilical that stiffens.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 
 /// M −= k3 θ³.
 pub struct CubicStiffness;
@@ -16,6 +16,9 @@ impl Effect for CubicStiffness {
             variable: "theta",
             condition: "at large pitch angles",
         }
+    }
+    fn class(&self) -> Option<Class> {
+        Some(Class::LargeAngles)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = 0.1 * data.moment / data.theta.powi(3);

@@ -1,7 +1,7 @@
 //! Contact beyond an angle.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 
 /// M −= ks (|θ| − θs) sign θ for |θ| > θs.
 pub struct EndStop;
@@ -16,6 +16,9 @@ impl Effect for EndStop {
             variable: "theta",
             condition: "beyond the angle of the stop",
         }
+    }
+    fn class(&self) -> Option<Class> {
+        Some(Class::LargeAngles)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = data.moment / data.theta;

@@ -3,7 +3,7 @@
 use crate::dataset::Amplitudes;
 use crate::dataset::Dataset;
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 
 /// u(t − τ − Δ).
 pub struct ExtraDelay;
@@ -18,6 +18,9 @@ impl Effect for ExtraDelay {
             variable: "u_rate",
             condition: "for one delay after each switch of the input",
         }
+    }
+    fn class(&self) -> Option<Class> {
+        Some(Class::Phase)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter {

@@ -3,7 +3,7 @@
 use crate::dataset::Amplitudes;
 use crate::dataset::Dataset;
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Effect, Locus, Parameter, Scale};
 
 /// T q̇_meas = q − q_meas.
 pub struct GyroLag;
@@ -18,6 +18,9 @@ impl Effect for GyroLag {
             variable: "qdot",
             condition: "when the pitch rate changes fast",
         }
+    }
+    fn class(&self) -> Option<Class> {
+        Some(Class::Phase)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter { name: "T", unit: "s", lower: 0.2 * data.step, upper: 0.5, scale: Scale::Log }]

@@ -1,7 +1,7 @@
 //! The induced flow builds up behind the blade pitch and takes part of the thrust back.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 
 /// M = ∂M/∂u (u_a − g λ), Tλ λ̇ = u_a − λ.
 pub struct InflowLag;
@@ -16,6 +16,9 @@ impl Effect for InflowLag {
             variable: "u_rate",
             condition: "for a few tenths of a second after each switch of the input, as an overshoot",
         }
+    }
+    fn class(&self) -> Option<Class> {
+        Some(Class::Phase)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![

@@ -1,7 +1,7 @@
 //! Free play in the pitch linkage.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 
 /// Play operator of half-width b.
 pub struct LinkageBacklash;
@@ -16,6 +16,9 @@ impl Effect for LinkageBacklash {
             variable: "u",
             condition: "after each reversal of the command",
         }
+    }
+    fn class(&self) -> Option<Class> {
+        Some(Class::SmallSignals)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter {

@@ -1,7 +1,7 @@
 //! Small commands do nothing.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 
 /// u_a = 0 for |u_c| < b, else u_c − b sign u_c.
 pub struct ServoDeadband;
@@ -16,6 +16,9 @@ impl Effect for ServoDeadband {
             variable: "u",
             condition: "at small commands",
         }
+    }
+    fn class(&self) -> Option<Class> {
+        Some(Class::SmallSignals)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter {

@@ -103,7 +103,7 @@ pub const SHAPES: &[&Shape] = &[
     &Shape {
         id: "of_slow_q",
         variable: "q",
-        words: "a friction that is another at small rates than at large ones",
+        words: "a friction that differs between small rates and large ones",
         count: 2,
         shapes: |s| shapes([sign(s.x), sign(s.x) * (-s.x.abs() / 0.3).exp()]),
         ..PLAIN
@@ -119,7 +119,7 @@ pub const SHAPES: &[&Shape] = &[
     &Shape {
         id: "of_theta_by_side",
         variable: "theta",
-        words: "a stiffness that is another nose-up than nose-down",
+        words: "a stiffness that differs nose-up from nose-down",
         count: 2,
         shapes: |s| shapes([s.y.max(0.0), s.y.min(0.0)]),
         ..PLAIN
@@ -146,10 +146,10 @@ pub const SHAPES: &[&Shape] = &[
         shapes([s.x * s.y.abs()])
     }),
     &product("q_times_u", "q u", "a moment of rate and command together", |s| shapes([s.x * s.v])),
-    &product("theta_times_u", "theta u", "an effectiveness that is another nose-up than nose-down", |s| {
+    &product("theta_times_u", "theta u", "an effectiveness that differs nose-up from nose-down", |s| {
         shapes([s.y * s.v])
     }),
-    &product("q_times_theta", "q theta", "a damping that is another nose-up than nose-down", |s| {
+    &product("q_times_theta", "q theta", "a damping that differs nose-up from nose-down", |s| {
         shapes([s.x * s.y])
     }),
     &Shape {
@@ -270,7 +270,7 @@ impl Shape {
     }
 
     /// The term with its coefficients in words: how large it is where its variable is small and large.
-    pub fn told(&self, p: &[f64], sizes: &Amplitudes) -> String {
+    pub fn described(&self, p: &[f64], sizes: &Amplitudes) -> String {
         let at = |change: &dyn Fn(&mut Signals)| {
             let mut signals = Signals::default();
             change(&mut signals);

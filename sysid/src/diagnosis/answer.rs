@@ -1,12 +1,12 @@
 //! The answer of a diagnosis, as it stands in JSON (`pitchid.diagnosis/1`).
 
-use super::data_checks::DullCause;
+use super::data_checks::DataCheck;
 use crate::estimate::Estimate;
 use crate::model::effect::Locus;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// The five verdicts.
+/// The six verdicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -20,6 +20,8 @@ pub enum Verdict {
     Unlisted,
     /// The data cannot tell.
     NotExcited,
+    /// Something about the recording has to be put right before physics is asked.
+    CheckData,
 }
 
 /// The whole answer.
@@ -31,8 +33,10 @@ pub struct Answer {
     pub verdict: Verdict,
     /// One to three plain sentences with numbers and units.
     pub summary: String,
-    /// The effects added to the model, largest contribution first.
+    /// The terms added to the model, all of them and no others, largest share first.
     pub effects: Vec<EffectAnswer>,
+    /// What is left beside named terms and too small to change the verdict.
+    pub remainder: Option<Remainder>,
     /// Where the residual is.
     pub location: Option<Location>,
     /// How well baseline and extended model fit.
@@ -40,7 +44,7 @@ pub struct Answer {
     /// The experiment that would best tell the remaining candidates apart.
     pub next_experiment: Option<NextExperiment>,
     /// What makes model and measurement differ without missing physics: ruled out, found, or not to be told.
-    pub dull_causes: Vec<DullCause>,
+    pub data_checks: Vec<DataCheck>,
     /// What was noticed about the recordings.
     pub notes: Vec<String>,
 }
@@ -56,32 +60,14 @@ pub struct EffectAnswer {
     pub equation: String,
     /// Its parameters.
     pub parameters: Vec<Estimate>,
-    /// Posterior probability among all candidates.
+    /// Posterior probability that this term is in the model, over all models visited.
     pub probability: f64,
+    /// Of what the fullest model gains over the baseline, the part that is lost without this term.
+    pub share: f64,
     /// Candidates which the data cannot rule out.
     pub alternatives: Vec<Alternative>,
     /// What speaks for it.
     pub evidence: Evidence,
-}
-
-impl EffectAnswer {
-    /// What has no name and no parameters, told in words.
-    pub fn undescribed(locus: Locus, words: String) -> Self {
-        Self {
-            id: "unlisted".into(),
-            locus,
-            equation: words,
-            parameters: Vec::new(),
-            probability: 1.0,
-            alternatives: Vec::new(),
-            evidence: Evidence {
-                delta_bic: 0.0,
-                p_value: 1.0,
-                vaf_gain_points: 0.0,
-                held_out_log_likelihood_gain: 0.0,
-            },
-        }
-    }
 }
 
 /// A candidate that the data cannot rule out.
@@ -93,17 +79,58 @@ pub struct Alternative {
     pub probability: f64,
 }
 
-/// What speaks for an effect.
+/// What speaks for a term: it alone, the model with it against the model without it.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Evidence {
-    /// BIC without the effect less BIC with it.
-    pub delta_bic: f64,
+    /// Gain of the log posterior, calibrated by blocks.
+    pub log_evidence: f64,
     /// Odds of so large a gain in likelihood by chance.
     pub p_value: f64,
-    /// Gain of free-run VAF on held-out data by all effects together, points.
-    pub vaf_gain_points: f64,
-    /// Gain of 2 log likelihood of the one-step prediction on held-out data by all effects together.
-    pub held_out_log_likelihood_gain: f64,
+    /// Gain of free-run VAF on held-out data, points.
+    pub vaf_gain_points: WithError,
+    /// Gain of 2 log likelihood of the one-step prediction on held-out data.
+    pub held_out_log_likelihood: WithError,
+}
+
+/// A figure with its standard error over blocks.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct WithError {
+    /// The figure.
+    pub value: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+}
+
+impl From<(f64, f64)> for WithError {
+    fn from((value, standard_error): (f64, f64)) -> Self {
+        Self { value, standard_error }
+    }
+}
+
+/// What is left beside the named terms, or what no name explains.
+#[derive(Clone, Debug, Serialize)]
+pub struct Remainder {
+    /// In one phrase.
+    pub words: String,
+    /// What it depends on; `none` where the tests do not say.
+    pub variable: String,
+    /// The terms without a name that were added, with their sizes.
+    pub equation: String,
+    /// Their coefficients.
+    pub parameters: Vec<Estimate>,
+    /// Of all that can be closed, the part that the named terms do not close.
+    pub share: f64,
+    /// Tests that the extended model fails.
+    pub tests: Vec<FailedTest>,
+}
+
+/// A test of the extended model's innovations that fails.
+#[derive(Clone, Debug, Serialize)]
+pub struct FailedTest {
+    /// Name.
+    pub name: &'static str,
+    /// p-value before Holm's correction.
+    pub p_value: f64,
 }
 
 /// Where the residual is concentrated.
@@ -137,51 +164,50 @@ pub struct Dependence {
 }
 
 /// Baseline against extended model.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct FitAnswer {
-    /// The baseline, estimated again.
+    /// The baseline, estimated again on all data.
     pub baseline: ModelAnswer,
-    /// With the effects.
+    /// With the terms, on all data.
     pub extended: ModelAnswer,
-    /// Sections that no parameter and no choice was fitted on.
-    pub held_out: Vec<String>,
-    /// What the best unstructured model reaches on the same section.
+    /// By section: VAF of models that were selected and fitted without that section.
+    pub held_out: BTreeMap<String, HeldOutAnswer>,
+    /// For each term, in how many of how many rotations it was chosen.
+    pub chosen_in: BTreeMap<String, [usize; 2]>,
+    /// By section, what an unstructured linear model reaches that was fitted to the section itself.
     pub ceiling_vaf_percent: BTreeMap<String, f64>,
-    /// With a term in the effects' place that nothing calls for; `None` where no effect was added.
-    pub placebo: Option<PlaceboAnswer>,
 }
 
-/// What a term of the same size as the effects gains that nothing calls for: sines of arbitrary frequencies.
+/// One section, held out.
 #[derive(Clone, Debug, Serialize)]
-pub struct PlaceboAnswer {
-    /// Number of its parameters.
-    pub parameters: usize,
-    /// BIC of the baseline less BIC with it.
-    pub delta_bic: f64,
-    /// Free-run VAF by section, per cent.
-    pub vaf_percent: BTreeMap<String, f64>,
-    /// Gain of free-run VAF on held-out data, points.
-    pub vaf_gain_points: f64,
-    /// Gain of 2 log likelihood of the one-step prediction on held-out data.
-    pub held_out_log_likelihood_gain: f64,
+pub struct HeldOutAnswer {
+    /// The baseline.
+    pub baseline: VafAnswer,
+    /// The model that was selected without the section.
+    pub extended: VafAnswer,
+    /// Its terms.
+    pub terms: Vec<String>,
+}
+
+/// VAF by horizon, per cent.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct VafAnswer {
+    /// Of the free run.
+    pub free_run: f64,
+    /// By horizon in s.
+    #[serde(flatten)]
+    pub horizons: BTreeMap<&'static str, WithError>,
 }
 
 /// One model's fit.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct ModelAnswer {
     /// Free-run VAF by section, per cent.
     pub vaf_percent: BTreeMap<String, f64>,
+    /// VAF of predictions by section and horizon, per cent.
+    pub horizon_vaf_percent: BTreeMap<String, BTreeMap<&'static str, WithError>>,
     /// Its parameters, by maximum likelihood.
     pub parameters: Vec<Estimate>,
-    /// The values that fit the free run best (output error on the sections not held out).
-    pub simulation_parameters: BTreeMap<String, f64>,
-}
-
-impl ModelAnswer {
-    /// The same parameters, the free run by another model.
-    pub fn simulated_by(self, vaf_percent: BTreeMap<String, f64>) -> Self {
-        Self { vaf_percent, ..self }
-    }
 }
 
 /// The excitation that would best tell candidates apart.

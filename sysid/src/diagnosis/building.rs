@@ -1,225 +1,257 @@
 //! A judgement as an answer.
 
+use super::adequacy::Test;
 use super::answer::{
-    Alternative, Answer, EffectAnswer, Evidence, FitAnswer, Location, PlaceboAnswer, Verdict,
+    Alternative, Answer, EffectAnswer, Evidence, FailedTest, FitAnswer, HeldOutAnswer, Location, ModelAnswer,
+    Remainder, VafAnswer, Verdict,
 };
+use super::ceiling::ceilings;
 use super::describe;
 use super::diagnose::Diagnosis;
-use super::evaluation::{Judged, held_out_gain, traces};
+use super::estimates::estimates;
 use super::experiment;
 use super::gust::Gust;
+use super::judgement::Judgement;
 use super::locate::{band, dependences, time_windows};
 use super::over_time::{OverTime, residual_moments};
-use super::placebo::placebo;
-use super::remainder::Leftover;
-use super::verdict::Judgement;
-use crate::catalogue::shapes::Shape;
-use crate::estimate::digits;
-use crate::held_out::{Split, labels};
-use crate::identify::fir::ceiling_vaf;
-use crate::likelihood::free_run::{judged, judged_channel, simulate, starting_points};
+use super::posterior::{Finding, Visited};
+use super::rotation::{Rotation, Scores, TermGain, scores};
+use super::traces::traces;
+use crate::catalogue::gust_disturbance::GustDisturbance;
+use crate::catalogue::scaled_shape::UNLISTED;
+use crate::estimate::Estimate;
+use crate::held_out::Part;
 use crate::likelihood::problem::Problem;
-use crate::model::effect::{Effect, Locus};
-use crate::validate::vaf::variance;
+use crate::model::effect::{About, Effect, Locus};
+use crate::model::file::EffectEntry;
 use std::collections::BTreeMap;
 
+/// Failed tests that are told in words, those with the least p-value; the others by name.
+const TESTS_IN_WORDS: usize = 2;
+
+/// Keys of the horizons in the answer, in the order of [`super::levels::HORIZONS_S`].
+const HORIZONS: [&str; 3] = ["0.1", "0.3", "1.0"];
+
 /// The answer, with what a report shows beside it.
-pub fn account(judgement: &Judgement<'_, '_>, notes: Vec<String>) -> Diagnosis {
-    let Judgement { problem, split, baseline, extended, .. } = judgement;
-    let ceiling = ceilings(problem, split, judgement.simulated());
-    let verdict = judgement.verdict(&ceiling);
-    let simulated = judgement.simulated();
+pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis {
+    notes.extend(judgement.facts());
+    let Judgement { problem, parts, selection, rotation, .. } = judgement;
+    let (baseline, extended) = (judgement.baseline(), judgement.extended());
     let fit = FitAnswer {
-        baseline: baseline.answer(problem, split),
-        extended: extended.answer(problem, split).simulated_by(simulated.vaf_by_section(split)),
-        held_out: labels(&split.held_out),
-        ceiling_vaf_percent: ceiling,
-        placebo: judgement.placebo(),
+        baseline: model_answer(problem, parts, &selection.visited[selection.baseline]),
+        extended: model_answer(problem, parts, &selection.visited[judgement.place]),
+        held_out: rotation.parts.iter().map(|part| (part.label.clone(), held_out(part))).collect(),
+        chosen_in: judgement.chosen_in(),
+        ceiling_vaf_percent: ceilings(problem, parts),
     };
-    let location = match verdict {
-        Verdict::NoMismatch => None,
-        _ => Some(judgement.location()),
-    };
-    let mut effects = judgement.effects(&fit);
-    if let (Verdict::Unlisted, None, Some(location)) = (verdict, &judgement.unlisted, &location) {
-        let words = judgement.departure.as_ref().map(|departure| departure.words.clone());
-        effects.insert(0, undescribed(location, words, judgement.heavy_tails));
-    }
-    let next_experiment = judgement
-        .findings
-        .iter()
-        .find_map(|f| f.rival_fits.first().and_then(|rival| experiment::best(problem, &extended.fit, rival)));
-    let answer = Answer {
+    let location = (judgement.verdict != Verdict::NoMismatch).then(|| judgement.location());
+    let next_experiment = judgement.named.iter().find_map(|finding| {
+        let (_, _, rival) = finding.rivals.first()?;
+        experiment::best(problem, extended, &selection.visited[*rival].fit)
+    });
+    let mut model = problem.unpack(&extended.effects, &extended.minimum.values).to_model_file(&problem.sizes);
+    model.effects.extend(judgement.gust.as_ref().map(Gust::entry));
+    let mut answer = Answer {
         schema: "pitchid.diagnosis/1",
-        verdict,
+        verdict: judgement.verdict,
         summary: String::new(),
-        effects,
+        effects: judgement.effects(&fit),
+        remainder: judgement.remainder(&fit),
         location,
         fit,
         next_experiment,
-        dull_causes: Vec::new(),
+        data_checks: Vec::new(),
         notes,
     };
-    let summary = describe::summary(&answer, &judgement.refused, judgement.corrected);
-    let unpacked = problem.unpack(&simulated.fit.effects, &simulated.simulation);
-    let mut model = unpacked.to_model_file(&problem.sizes);
-    if let Some(gust) = &judgement.gust {
-        model.effects.push(gust.entry());
-    }
+    answer.summary = describe::summary(&answer);
     Diagnosis {
-        answer: Answer { summary, ..answer },
-        traces: traces(problem, split, baseline, simulated),
+        answer,
+        traces: traces(problem, &baseline.effects, rotation),
         over_time: OverTime {
             of_time: judgement.of_time(),
-            runs: residual_moments(problem, &baseline.fit, &extended.fit),
+            runs: residual_moments(problem, baseline, extended),
         },
         model,
     }
 }
 
+/// A model's part of the answer.
+pub fn model_answer(problem: &Problem<'_>, parts: &[Part], model: &Visited) -> ModelAnswer {
+    let (effects, values) = (&model.fit.effects, &model.fit.minimum.values);
+    let of_parts: Vec<(String, Scores)> = parts
+        .iter()
+        .map(|part| (part.label.clone(), scores(problem, effects, values, &part.places)))
+        .collect();
+    let all = estimates(problem, &model.fit, Some(&model.information));
+    let background: Vec<usize> = (0..effects.len())
+        .filter(|&i| effects[i].is_background())
+        .flat_map(|i| model.fit.own_range(problem, i))
+        .chain(problem.noise_range())
+        .collect();
+    let physics = all.into_iter().enumerate().filter(|(i, _)| !background.contains(i));
+    ModelAnswer {
+        vaf_percent: of_parts.iter().map(|(label, s)| (label.clone(), s.free_run)).collect(),
+        horizon_vaf_percent: of_parts.iter().map(|(label, s)| (label.clone(), by_horizon(s))).collect(),
+        parameters: physics.map(|(_, estimate)| estimate).collect(),
+    }
+}
+
+fn by_horizon(scores: &Scores) -> BTreeMap<&'static str, super::answer::WithError> {
+    HORIZONS.into_iter().zip(scores.horizons.iter().map(|&h| h.into())).collect()
+}
+
+fn held_out(part: &super::rotation::HeldOut) -> HeldOutAnswer {
+    let vaf = |scores: &Scores| VafAnswer { free_run: scores.free_run, horizons: by_horizon(scores) };
+    HeldOutAnswer {
+        baseline: vaf(&part.baseline),
+        extended: vaf(&part.extended),
+        terms: part.chosen.iter().map(|id| (*id).to_owned()).collect(),
+    }
+}
+
 impl Judgement<'_, '_> {
-    fn placebo(&self) -> Option<PlaceboAnswer> {
-        let (problem, split) = (self.problem, self.split);
-        let (before, after) = (&self.baseline.fit, &self.extended.fit);
-        let judged = Judged::new(problem, split, placebo(problem, before, after)?);
-        Some(PlaceboAnswer {
-            parameters: judged.fit.minimum.values.len() - before.minimum.values.len(),
-            delta_bic: before.bic(problem) - judged.fit.bic(problem),
-            vaf_percent: judged.vaf_by_section(split),
-            vaf_gain_points: judged.held_out_vaf(split) - self.baseline.held_out_vaf(split),
-            held_out_log_likelihood_gain: held_out_gain(problem, split, before, &judged.fit),
-        })
+    fn chosen_in(&self) -> BTreeMap<String, [usize; 2]> {
+        let Rotation { parts, gains } = &self.rotation;
+        let findings = self.named.iter().chain(&self.shapes).zip(gains);
+        findings.map(|(f, gain)| (f.effect.about().id.to_owned(), [gain.chosen, parts.len()])).collect()
     }
 
-    /// Values of the parameters of the effect called `id` in the extended model.
+    /// Estimates of the parameters of the effect called `id`.
+    fn own(&self, fit: &FitAnswer, id: &str) -> Vec<Estimate> {
+        let extended = self.extended();
+        let Some(range) = extended.range_of(self.problem, id) else { return Vec::new() };
+        // The answer's list has no noise model.
+        let background = |i: &usize| extended.effects[*i].is_background();
+        let hidden =
+            (0..extended.effects.len()).filter(background).map(|i| extended.own_range(self.problem, i));
+        let before: usize = hidden.filter(|own| own.start < range.start).map(|own| own.len()).sum();
+        let shift = self.problem.noise_unknowns() + before;
+        fit.extended.parameters.get(range.start - shift..range.end - shift).unwrap_or_default().to_vec()
+    }
+
+    /// Values of the parameters of the effect called `id`.
     fn values_of(&self, id: &str) -> &[f64] {
-        let fit = &self.extended.fit;
+        let fit = self.extended();
         let own = fit.range_of(self.problem, id);
         own.and_then(|own| fit.minimum.values.get(own)).unwrap_or_default()
     }
 
     /// Whether what was found depends on the time.
     fn of_time(&self) -> bool {
-        let local = self.unlisted.as_ref().is_some_and(|found| found.term.local_in_time);
-        local || self.gust.is_some() || self.findings.iter().any(|f| f.effect.about().variable == "t")
+        let findings = self.named.iter().chain(&self.shapes);
+        self.gust.is_some() || findings.map(|f| f.effect.about().variable).any(|variable| variable == "t")
     }
 
     fn effects(&self, fit: &FitAnswer) -> Vec<EffectAnswer> {
-        // The extended model's list has no noise model.
-        let noise = self.problem.noise_unknowns();
-        let own = |id: &str| {
-            let range = self.extended.fit.range_of(self.problem, id);
-            let range = range.map(|own| own.start - noise..own.end - noise);
-            range.and_then(|own| fit.extended.parameters.get(own)).unwrap_or_default().to_vec()
+        let gains = |i: usize| self.rotation.gains.get(i).copied().unwrap_or_default();
+        let named = self.named.iter().enumerate().map(|(i, f)| self.effect(f, gains(i), fit));
+        let shapes = self.shapes.iter().enumerate().map(|(i, f)| EffectAnswer {
+            id: UNLISTED.into(),
+            equation: describe::shape(f.effect, self.values_of(f.effect.about().id), &self.problem.sizes),
+            ..self.effect(f, gains(self.named.len() + i), fit)
+        });
+        let mut effects: Vec<EffectAnswer> = match self.verdict {
+            Verdict::Unlisted => shapes.chain(named).collect(),
+            _ => named.collect(),
         };
-        let mut effects = Vec::new();
-        if let Some(found) = &self.unlisted {
-            effects.push(EffectAnswer { parameters: own(found.term.about().id), ..self.described(found) });
-        }
-        for finding in &self.findings {
-            let about = finding.effect.about();
-            let alternative = |(effect, probability): &(&'static dyn Effect, f64)| Alternative {
-                id: effect.about().id.into(),
-                probability: *probability,
-            };
-            effects.push(EffectAnswer {
-                id: about.id.into(),
-                locus: about.locus,
-                equation: about.equation.into(),
-                parameters: own(about.id),
-                probability: finding.probability.min(self.surest()),
-                alternatives: finding.rivals.iter().map(alternative).collect(),
-                evidence: self.evidence(finding.delta_bic, finding.p_value),
-            });
-        }
-        effects.extend(self.gust.as_ref().map(|gust| self.told(gust)));
+        effects.extend(self.gust.as_ref().map(Gust::answer));
         effects
     }
 
-    /// Probabilities are those among the candidates if the noise is what it is taken for; where it is not, none is sure.
-    fn surest(&self) -> f64 {
-        const NOT_SURE: f64 = 0.85;
-        if self.heavy_tails || self.departure.is_some() { NOT_SURE } else { 1.0 }
-    }
-
-    fn evidence(&self, delta_bic: f64, p_value: f64) -> Evidence {
-        Evidence {
-            delta_bic,
-            p_value,
-            vaf_gain_points: self.vaf_gain(),
-            held_out_log_likelihood_gain: self.likelihood_gain,
-        }
-    }
-
-    fn described(&self, found: &Leftover) -> EffectAnswer {
-        let term: &Shape = found.term;
-        let values = self.values_of(term.about().id);
-        EffectAnswer {
-            id: "unlisted".into(),
-            locus: term.about().locus,
-            equation: term.told(values, &self.problem.sizes),
-            parameters: Vec::new(),
-            probability: 1.0,
-            alternatives: Vec::new(),
-            evidence: self.evidence(found.delta_bic, found.p_value),
-        }
-    }
-
-    fn told(&self, gust: &Gust) -> EffectAnswer {
-        let about = gust.about();
+    fn effect(&self, finding: &Finding, gain: TermGain, fit: &FitAnswer) -> EffectAnswer {
+        let about = finding.effect.about();
+        let alternative = |(effect, probability, _): &(&'static dyn Effect, f64, usize)| Alternative {
+            id: effect.about().id.into(),
+            probability: *probability,
+        };
         EffectAnswer {
             id: about.id.into(),
             locus: about.locus,
             equation: about.equation.into(),
-            parameters: gust.parameters.clone(),
-            probability: 1.0 - gust.p_value,
-            alternatives: Vec::new(),
+            parameters: self.own(fit, about.id),
+            probability: finding.probability,
+            share: finding.share,
+            alternatives: finding.rivals.iter().map(alternative).collect(),
             evidence: Evidence {
-                delta_bic: gust.delta_bic,
-                p_value: gust.p_value,
-                vaf_gain_points: 0.0,
-                held_out_log_likelihood_gain: 0.0,
+                log_evidence: finding.log_evidence,
+                p_value: finding.p_value,
+                vaf_gain_points: gain.vaf_points.into(),
+                held_out_log_likelihood: gain.log_likelihood.into(),
             },
         }
     }
 
+    fn remainder(&self, fit: &FitAnswer) -> Option<Remainder> {
+        // Where no name explains the data, the shapes are the answer and not what is left beside it.
+        let shapes = if self.verdict == Verdict::Unlisted { &[][..] } else { &self.shapes };
+        let failed: Vec<&Test> = self.failed.iter().filter(|test| test.of_physics).collect();
+        if shapes.is_empty() && failed.is_empty() {
+            return None;
+        }
+        let abouts = shapes.iter().map(|f| f.effect.about());
+        let mut words: Vec<String> = abouts.clone().map(|about| about.sentence.to_owned()).collect();
+        words.extend(failed.iter().take(TESTS_IN_WORDS).map(|test| test.words.clone()));
+        let described =
+            |f: &Finding| describe::shape(f.effect, self.values_of(f.effect.about().id), &self.problem.sizes);
+        Some(Remainder {
+            words: words.join("; "),
+            variable: abouts.clone().next().map_or("none", |about| about.variable).into(),
+            equation: shapes.iter().map(described).collect::<Vec<_>>().join("; "),
+            parameters: abouts.flat_map(|about| self.own(fit, about.id)).collect(),
+            share: 1.0 - self.grounds.share_of_names(),
+            tests: failed.iter().map(|t| FailedTest { name: t.name, p_value: t.p_value }).collect(),
+        })
+    }
+
+    /// What the tests say of the background: facts about the day.
+    fn facts(&self) -> impl Iterator<Item = String> + '_ {
+        let facts = self.failed.iter().filter(|test| !test.of_physics);
+        facts.map(|test| {
+            let words = &test.words;
+            format!(
+                "the background is not the even one that the noise model takes it for: {words} (p = {:.0e})",
+                test.p_value
+            )
+        })
+    }
+
     fn location(&self) -> Location {
-        let (problem, split) = (self.problem, self.split);
-        let (before, after) = (&self.baseline.fit, &self.extended.fit);
+        let problem = self.problem;
+        let (before, after) = (self.baseline(), self.extended());
         let dependence = dependences(problem, before);
         let nyquist = std::f64::consts::PI / problem.sizes.step;
         let strongest = dependence.first().filter(|d| d.share > 0.0).map(|d| d.variable.clone());
-        let about = self
-            .unlisted
-            .as_ref()
-            .map(|found| found.term.about())
-            .or_else(|| self.findings.first().map(|first| first.effect.about()))
-            .or_else(|| self.gust.as_ref().map(Gust::about));
+        let first = match self.verdict {
+            Verdict::Unlisted => self.shapes.first().or(self.named.first()),
+            _ => self.named.first(),
+        };
+        let about: Option<About> =
+            first.map(|f| f.effect.about()).or_else(|| self.gust.as_ref().map(|_| GustDisturbance.about()));
         let (locus, variable, condition) = match about {
             Some(about) => (about.locus, about.variable, about.condition),
             None => (Locus::PitchMoment, "none", "in no particular condition"),
         };
+        let places: Vec<_> = self.parts.iter().flat_map(|part| part.places.clone()).collect();
         Location {
             locus,
             time_s: self.when().unwrap_or_else(|| time_windows(problem, before, after)),
-            band_rad_s: band(problem, before, after, &split.training).unwrap_or([0.0, nyquist]),
+            band_rad_s: band(problem, before, after, &places).unwrap_or([0.0, nyquist]),
             variable: strongest.unwrap_or_else(|| variable.into()),
             condition: condition.into(),
             dependence,
         }
     }
 
-    /// The windows of a departure, or from the moment on that an effect begins at.
+    /// The windows of a test that fails, or from the moment on that an effect begins at.
     fn when(&self) -> Option<Vec<[f64; 2]>> {
-        let windows = self.departure.as_ref().map(|departure| departure.windows.clone());
-        windows.filter(|w| !w.is_empty()).or_else(|| self.since())
+        let physics = self.failed.iter().filter(|test| test.of_physics);
+        physics.map(|test| test.windows.clone()).find(|windows| !windows.is_empty()).or_else(|| self.since())
     }
 
     /// From the moment on that an effect begins at to the end of the data, where an effect has such a moment.
     fn since(&self) -> Option<Vec<[f64; 2]>> {
-        let begin = self.findings.iter().find_map(|finding| {
-            let names = finding.effect.parameters(&self.problem.sizes);
-            let i = names.iter().position(|p| p.name == "t_star")?;
+        let begin = self.named.iter().find_map(|finding| {
+            let i = finding.effect.begins_at()?;
             self.values_of(finding.effect.about().id).get(i).copied()
         })?;
         let ends = self.problem.data.runs.iter().map(|run| run.time(run.len().saturating_sub(1)));
@@ -228,66 +260,32 @@ impl Judgement<'_, '_> {
 }
 
 impl Gust {
-    fn about(&self) -> crate::model::effect::About {
-        crate::catalogue::gust_disturbance::GustDisturbance.about()
-    }
-
-    fn entry(&self) -> crate::model::file::EffectEntry {
-        crate::model::file::EffectEntry {
-            id: self.about().id.into(),
+    fn entry(&self) -> EffectEntry {
+        EffectEntry {
+            id: GustDisturbance.about().id.into(),
             shape: None,
             remark: None,
             parameters: self.parameters.iter().map(|p| (p.name.clone(), p.value)).collect(),
         }
     }
-}
 
-/// What is told of a mismatch that nothing explains, with or without a name: on what the residual moment depends, and
-/// how large it is there.
-fn undescribed(location: &Location, departure: Option<String>, heavy_tails: bool) -> EffectAnswer {
-    let strongest = location.dependence.first().filter(|d| d.share > 0.0);
-    let equation = match (departure, strongest) {
-        (Some(words), _) => words,
-        (None, _) if heavy_tails => {
-            "errors that come and go: far larger at times than noise is, following no variable".into()
+    fn answer(&self) -> EffectAnswer {
+        let about = GustDisturbance.about();
+        EffectAnswer {
+            id: about.id.into(),
+            locus: about.locus,
+            equation: about.equation.into(),
+            parameters: self.parameters.clone(),
+            probability: 1.0 / (1.0 + (-self.log_evidence).exp()),
+            // A simulation cannot repeat it.
+            share: 0.0,
+            alternatives: Vec::new(),
+            evidence: Evidence {
+                log_evidence: self.log_evidence,
+                p_value: self.p_value,
+                vaf_gain_points: Default::default(),
+                held_out_log_likelihood: Default::default(),
+            },
         }
-        (None, Some(d)) => {
-            let told = |[x, moment, _]: &[f64; 3]| format!("{} N m at {}", digits(*moment), digits(*x));
-            let (low, high) = (d.classes.first().map(told), d.classes.last().map(told));
-            format!(
-                "a moment that follows {} ({:.0} % of its variance), from {} to {} {}",
-                d.variable,
-                100.0 * d.share,
-                low.unwrap_or_default(),
-                high.unwrap_or_default(),
-                d.unit
-            )
-        }
-        (None, None) => "a moment that depends on none of u, its rate, q, theta and t alone".into(),
-    };
-    EffectAnswer::undescribed(location.locus, equation)
-}
-
-/// What any model reaches on each section: the better of an FIR model of two seconds' memory fitted to the section
-/// itself, and the extended model with such a correction of what it leaves.
-pub fn ceilings(problem: &Problem<'_>, split: &Split, extended: &Judged) -> BTreeMap<String, f64> {
-    const MEMORY_S: f64 = 2.0;
-    let all = split.all();
-    let unpacked = problem.unpack(&extended.fit.effects, &extended.simulation);
-    let simulated =
-        starting_points(problem, &unpacked, &all).and_then(|p| simulate(problem, &unpacked, &all, &p));
-    let mut table = BTreeMap::new();
-    for (i, place) in all.iter().enumerate() {
-        let run = &problem.data.runs[place.run];
-        let (u, y) = (&run.u[place.rows.clone()], judged(problem, place));
-        let taps = ((MEMORY_S / run.step) as usize).min(place.rows.len() / 6).clamp(1, 100);
-        let alone = ceiling_vaf(u, y, taps).unwrap_or(0.0);
-        let corrected = simulated.as_ref().map_or(0.0, |s| {
-            let left: Vec<f64> = y.iter().zip(judged_channel(problem, &s[i])).map(|(y, s)| y - s).collect();
-            let explained = ceiling_vaf(u, &left, taps).unwrap_or(0.0);
-            100.0 * (1.0 - variance(&left) / variance(y) * (1.0 - explained / 100.0))
-        });
-        table.insert(place.label.clone(), alone.max(corrected).clamp(0.0, 100.0));
     }
-    table
 }

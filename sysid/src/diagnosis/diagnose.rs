@@ -1,18 +1,23 @@
 //! The whole diagnosis: recordings and a baseline in, an answer out.
 
 use super::answer::{Answer, FitAnswer, Location, Verdict};
-use super::building::{account, ceilings};
-use super::data_checks::{self, DullCause};
-use super::evaluation::{Judged, Trace, traces};
+use super::building::{build, model_answer};
+use super::ceiling::ceilings;
+use super::data_checks::{self, DataCheck};
 use super::excitation;
+use super::judgement::Judgement;
+use super::levels::PARTS;
 use super::over_time::OverTime;
+use super::posterior::Visited;
 use super::selection::select;
-use super::verdict::Judgement;
+use super::traces::Trace;
+use crate::catalogue::CATALOGUE;
 use crate::dataset::Dataset;
 use crate::error::{Error, ErrorKind};
-use crate::held_out::{Split, labels};
+use crate::held_out::{Part, parts};
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
+use crate::model::effect::Effect;
 use crate::model::file::ModelFile;
 use crate::recording::Recording;
 
@@ -24,7 +29,7 @@ pub struct Diagnosis {
     pub traces: Vec<Trace>,
     /// What the models leave, over time.
     pub over_time: OverTime,
-    /// The extended model, its parameters fitted for simulation.
+    /// The extended model, with the values of the answer.
     pub model: ModelFile,
 }
 
@@ -33,9 +38,38 @@ pub struct Diagnosis {
 ///
 /// # Errors
 /// Recordings that do not go together, or for which not even the baseline has a finite likelihood.
+///
+/// ```
+/// # let mut text = String::from("t_s,u_N_m,q_rad_s\n");
+/// # let mut q = 0.0;
+/// # for k in 0..1500 {
+/// #     let u = if (k / 17 + k / 41) % 2 == 0 { 0.1 } else { -0.1 };
+/// #     let noise = f64::from((k * 7919 + 13) % 1009) / 1009.0 - 0.5;
+/// #     text.push_str(&format!("{:.2},{u},{}\n", 0.02 * f64::from(k), q + 0.01 * noise));
+/// #     q += 0.02 * (10.0 * u - 2.0 * q);
+/// # }
+/// use sysid::{diagnosis::diagnose, recording::parse};
+/// let recording = parse("flight.csv", text.as_bytes(), &Default::default())?;
+/// let diagnosis = diagnose(&[recording], None, &|_step| {})?;
+/// println!("{}", diagnosis.answer.summary);
+/// # Ok::<(), sysid::error::Error>(())
+/// ```
 pub fn diagnose(
     recordings: &[Recording],
     model: Option<&ModelFile>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Diagnosis, Error> {
+    diagnose_with(recordings, model, CATALOGUE, progress)
+}
+
+/// The same with a catalogue of the caller's own: [`CATALOGUE`], less or more.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_with(
+    recordings: &[Recording],
+    model: Option<&ModelFile>,
+    catalogue: &[&'static dyn Effect],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Diagnosis, Error> {
     let data = Dataset::new(recordings)?;
@@ -43,98 +77,95 @@ pub fn diagnose(
         Some(model) => Baseline::from_model(model, &data)?,
         None => Baseline::from_data(&data),
     };
-    let split = Split::new(&data);
-    let problem = Problem::new(&data, &baseline, &split.held_out);
-    let notes = data.notes(recordings);
+    let parts = parts(&data, PARTS);
+    let problem = Problem::new(&data, &baseline, &[]);
+    let unanswered = |fitted: Option<&Visited>, verdict, summary, location| {
+        unanswered(
+            &problem,
+            &parts,
+            fitted,
+            Unanswered { verdict, summary, location, notes: data.notes(recordings) },
+        )
+    };
     let dm_du = model.and_then(|m| m.plant.dm_du);
-    let mut causes = data_checks::of_recordings(recordings, &data, dm_du);
-    let told = |mut diagnosis: Diagnosis, causes: Vec<DullCause>| {
-        data_checks::tell(&mut diagnosis.answer, causes);
+    let mut checks = data_checks::of_recordings(recordings, &data, dm_du);
+    let with_checks = |mut diagnosis: Diagnosis, checks: Vec<DataCheck>| {
+        data_checks::write(&mut diagnosis.answer, checks);
         Ok(diagnosis)
     };
-    if let Some(reason) = excitation::too_little(&problem, &split) {
-        causes.extend(data_checks::without_fit("too little to ask"));
-        return told(not_excited(&problem, &split, reason, notes), causes);
+    if let Some(reason) = excitation::too_little(&problem) {
+        checks.extend(data_checks::without_fit("too little to ask"));
+        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks);
     }
-    if data_checks::stop(&causes) {
-        causes.extend(data_checks::without_fit("not asked before the others are put right"));
-        let location = data_checks::everywhere(&causes, &data);
-        return told(put_right_first(&problem, &split, None, location, notes), causes);
+    if data_checks::stop(&checks) {
+        checks.extend(data_checks::without_fit("not asked before the others are put right"));
+        let location = data_checks::everywhere(&checks, &data);
+        return with_checks(unanswered(None, Verdict::CheckData, String::new(), Some(location)), checks);
     }
-    let selection = select(&problem, progress).ok_or_else(|| {
+    let places: Vec<_> = parts.iter().map(|part| part.places.clone()).collect();
+    let selection = select(&problem, catalogue, &places, progress).ok_or_else(|| {
         Error::new(
             ErrorKind::Numerical,
             "the baseline has no finite likelihood on these data",
             "check the units of the columns and the values of the model file",
         )
     })?;
-    if let Some(reason) = excitation::too_weak(&problem, &split, &selection.baseline) {
-        causes.extend(data_checks::without_fit("too weak to ask"));
-        return told(not_excited(&problem, &split, reason, notes), causes);
+    let fitted = &selection.visited[selection.baseline];
+    if let Some(reason) = excitation::too_weak(&problem, fitted) {
+        checks.extend(data_checks::without_fit("too weak to ask"));
+        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks);
     }
-    progress("ruling out dull causes");
-    causes.extend(data_checks::of_fit(recordings, &problem, &split, &selection, dm_du));
-    if data_checks::stop(&causes) {
-        let location = data_checks::everywhere(&causes, &data);
-        let baseline = Judged::new(&problem, &split, selection.baseline);
-        return told(put_right_first(&problem, &split, Some(&baseline), location, notes), causes);
+    progress("checking the data");
+    let extended = &selection.visited[selection.extended].fit;
+    checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du));
+    if data_checks::stop(&checks) {
+        let location = data_checks::everywhere(&checks, &data);
+        return with_checks(
+            unanswered(Some(fitted), Verdict::CheckData, String::new(), Some(location)),
+            checks,
+        );
     }
-    progress("judging on held-out data");
-    told(account(&Judgement::new(&problem, &split, selection), notes), causes)
+    progress("holding out each section");
+    let judgement = Judgement::new(&problem, &parts, selection);
+    with_checks(build(&judgement, data.notes(recordings)), checks)
 }
 
-fn not_excited(problem: &Problem<'_>, split: &Split, reason: String, notes: Vec<String>) -> Diagnosis {
-    unanswered(problem, split, None, Verdict::NotExcited, reason, None, notes)
-}
-
-/// No physics is named: a dull cause is to be put right first. The baseline's fit is told where there is one.
-fn put_right_first(
-    problem: &Problem<'_>,
-    split: &Split,
-    baseline: Option<&Judged>,
-    location: Location,
-    notes: Vec<String>,
-) -> Diagnosis {
-    unanswered(problem, split, baseline, Verdict::Unlisted, String::new(), Some(location), notes)
-}
-
-fn unanswered(
-    problem: &Problem<'_>,
-    split: &Split,
-    baseline: Option<&Judged>,
+/// What an answer without physics says.
+struct Unanswered {
     verdict: Verdict,
     summary: String,
     location: Option<Location>,
     notes: Vec<String>,
+}
+
+/// No physics is named; the baseline's fit is told where there is one.
+fn unanswered(
+    problem: &Problem<'_>,
+    parts: &[Part],
+    fitted: Option<&Visited>,
+    said: Unanswered,
 ) -> Diagnosis {
-    let nothing = || super::answer::ModelAnswer {
-        vaf_percent: Default::default(),
-        parameters: Vec::new(),
-        simulation_parameters: Default::default(),
-    };
-    let told = || baseline.map_or_else(nothing, |judged| judged.answer(problem, split));
+    let model = || fitted.map(|fitted| model_answer(problem, parts, fitted)).unwrap_or_default();
     let fit = FitAnswer {
-        baseline: told(),
-        extended: told(),
-        held_out: labels(&split.held_out),
-        ceiling_vaf_percent: baseline.map(|b| ceilings(problem, split, b)).unwrap_or_default(),
-        placebo: None,
+        baseline: model(),
+        extended: model(),
+        ceiling_vaf_percent: fitted.map(|_| ceilings(problem, parts)).unwrap_or_default(),
+        ..FitAnswer::default()
     };
-    let traces = baseline.map(|b| traces(problem, split, b, b)).unwrap_or_default();
-    let dull_causes = Vec::new();
     Diagnosis {
         answer: Answer {
             schema: "pitchid.diagnosis/1",
-            verdict,
-            summary,
+            verdict: said.verdict,
+            summary: said.summary,
             effects: Vec::new(),
-            location,
+            remainder: None,
+            location: said.location,
             fit,
             next_experiment: None,
-            dull_causes,
-            notes,
+            data_checks: Vec::new(),
+            notes: said.notes,
         },
-        traces,
+        traces: Vec::new(),
         over_time: OverTime::default(),
         model: problem.baseline.to_model_file(),
     }

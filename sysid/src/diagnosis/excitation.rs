@@ -1,16 +1,12 @@
 //! Whether the data can answer at all: long enough, moved by the input, above the noise.
 
-use super::evaluation::estimates;
-use crate::held_out::Split;
+use super::estimates::estimates;
+use super::levels::{SHORTEST_S, WIDEST_GAIN_INTERVAL};
+use super::posterior::Visited;
 use crate::identify::fir::ceiling_vaf;
-use crate::likelihood::fit::Fit;
 use crate::likelihood::free_run::judged;
 use crate::likelihood::problem::Problem;
 
-/// Shortest time that a diagnosis can be made on, s: a handful of switches of the slowest campaign.
-const SHORTEST_S: f64 = 4.0;
-/// Widest 95 % interval of ∂M/∂u, relative to its value, half width.
-const WIDEST_GAIN_INTERVAL: f64 = 0.5;
 /// Share of the output, per cent, that an FIR model must explain for the input to count as seen.
 const EXPLAINED_BY_ANY: f64 = 40.0;
 /// Memory of that model, s.
@@ -18,9 +14,9 @@ const FIR_MEMORY_S: f64 = 1.0;
 
 /// Why the data are too little before anything is fitted: too short, or an input or a motion that
 /// never changes.
-pub fn too_little(problem: &Problem<'_>, split: &Split) -> Option<String> {
+pub fn too_little(problem: &Problem<'_>) -> Option<String> {
     let seconds: f64 =
-        split.training.iter().map(|p| p.rows.len() as f64 * problem.data.runs[p.run].step).sum();
+        problem.data.places().iter().map(|p| p.rows.len() as f64 * problem.data.runs[p.run].step).sum();
     if seconds < SHORTEST_S {
         return Some(format!(
             "The data cannot tell: {seconds:.1} s of excitation are too short, at least {SHORTEST_S} s are needed (a hundred are good)."
@@ -39,15 +35,16 @@ pub fn too_little(problem: &Problem<'_>, split: &Split) -> Option<String> {
 
 /// Why the data are too weak: the input's effect is not known well enough to ask what is missing from it, and an
 /// unstructured model makes no more of the input either.
-pub fn too_weak(problem: &Problem<'_>, split: &Split, baseline: &Fit) -> Option<String> {
-    let all = estimates(problem, baseline);
+pub fn too_weak(problem: &Problem<'_>, baseline: &Visited) -> Option<String> {
+    let all = estimates(problem, &baseline.fit, Some(&baseline.information));
     let gain = all.iter().find(|e| e.name == "dM_du")?;
     let half = 0.5 * (gain.ci95[1] - gain.ci95[0]);
     let relative = half / gain.value.abs();
     if relative <= WIDEST_GAIN_INTERVAL {
         return None;
     }
-    let reached = split.training.iter().filter_map(|place| {
+    let places = problem.data.places();
+    let reached = places.iter().filter_map(|place| {
         let run = &problem.data.runs[place.run];
         let taps = ((FIR_MEMORY_S / run.step) as usize).min(place.rows.len() / 10).clamp(1, 60);
         ceiling_vaf(&run.u[place.rows.clone()], judged(problem, place), taps).ok()

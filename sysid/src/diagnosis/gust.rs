@@ -4,11 +4,14 @@
 //! frequencies. Both are fitted side by side, and it is a gust if the likelihood needs it beside a band-passed background,
 //! or if both moments together have more power at low frequencies than any background has.
 
-use super::selection::{DETECTION, RETENTION, odds, without};
+use super::levels::{FURTHER_TERM, NAMED};
+use super::posterior::chance;
+use crate::catalogue::CATALOGUE;
 use crate::catalogue::gust_disturbance::GustDisturbance;
+use crate::catalogue::roll_off::RollOff;
 use crate::dataset::Amplitudes;
 use crate::estimate::Estimate;
-use crate::likelihood::fit::{FINISH, Fit, refit};
+use crate::likelihood::fit::{FINISH, Fit};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::{About, Effect, Parameter, Scale};
 use crate::model::noise;
@@ -29,7 +32,9 @@ const LEAST_SCORE: f64 = 2.0;
 const BACKGROUND_RATIO: f64 = 0.35;
 /// A gust whose ln σ is known no better than this is not told from the background's own spectrum.
 const WIDEST: f64 = 1.0;
-/// A moment slower than this share of the data is a drift, of which no spectrum is seen.
+/// A moment slower than this (twice the range of the catalogue), or than a tenth of the data, is a drift of which no spectrum
+/// is seen.
+const LONGEST: f64 = 6.0;
 const LONGEST_SHARE: f64 = 0.1;
 /// A moment faster than this is the background's own fall towards high frequencies, s.
 const SHORTEST: f64 = 0.1;
@@ -41,6 +46,8 @@ const MILD: f64 = 0.05;
 const NO_SLOW_PART: (f64, f64) = (0.03, 0.01);
 /// A zero below this share of the background's frequency, and a ratio below this, are those of a background.
 const WORTH_A_LOOK: (f64, f64) = (0.1, 0.5);
+/// Time constants of a third pole of the background to start from, s.
+const ROLL_OFFS: [f64; 2] = [0.1, 0.3];
 /// Time constants to start from, s.
 const TIMES: [f64; 2] = [0.4, 2.0];
 
@@ -48,21 +55,10 @@ const TIMES: [f64; 2] = [0.4, 2.0];
 pub struct Gust {
     /// σ in N m and T in s.
     pub parameters: Vec<Estimate>,
-    /// BIC of a band-passed background alone less BIC with the gust, or what the low frequencies alone amount to.
-    pub delta_bic: f64,
+    /// Gain of the log posterior over a background without slow parts, or what the low frequencies alone amount to.
+    pub log_evidence: f64,
     /// Odds of as much by chance if the disturbance were an ordinary background.
     pub p_value: f64,
-    /// The fit with it, the last of the effects.
-    fit: Fit,
-}
-
-impl Gust {
-    /// Place among the effects of one that is not needed once the noise model has the gust.
-    pub fn makes_needless(&self, problem: &Problem<'_>) -> Option<usize> {
-        let full = refit(problem, &self.fit.effects, &self.fit.minimum.values)?;
-        let rises = |i: &usize| without(problem, &full, *i).map(|less| less.bic(problem) - full.bic(problem));
-        (0..full.effects.len() - 1).find(|i| rises(i).is_some_and(|rise| rise < RETENTION))
-    }
 }
 
 /// The gust's moment in the noise model, σ relative to the noise of the first channel.
@@ -88,7 +84,11 @@ impl Effect for SecondMoment {
 }
 
 /// Whether the disturbance that `fit` found is a gust.
+///
+/// A background that falls off with a third pole is the other explanation of what two poles leave: the gust must be better
+/// than either.
 pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
+    let fit = &without_background(problem, fit);
     let disturbance = problem.unpack(&fit.effects, &fit.minimum.values).disturbance;
     let (least_zero, least_ratio) = WORTH_A_LOOK;
     let like_background =
@@ -100,7 +100,7 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     let own = fit.own_range(problem, fit.effects.len() - 1);
     let [relative, time] = [fit.minimum.values[own.start], fit.minimum.values[own.start + 1]];
     let sigma = relative * sensor_noise(problem, &fit)?;
-    let slow = (SHORTEST..LONGEST_SHARE * problem.sizes.duration).contains(&time);
+    let slow = (SHORTEST..LONGEST.min(LONGEST_SHARE * problem.sizes.duration)).contains(&time);
     if !slow || sigma < MILD * problem.sizes.moment {
         return None;
     }
@@ -109,15 +109,16 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     let (log_sigma, log_time) = (deviation(own.start), deviation(own.start + 1));
 
     let gain = background.criterion() - fit.criterion();
-    let by_likelihood = gain - own.len() as f64 * (problem.count() as f64).ln();
+    let penalty = own.len() as f64 * (problem.count() as f64).ln();
+    let by_likelihood = 0.5 * (gain - penalty) + (FURTHER_TERM * NAMED / CATALOGUE.len() as f64).ln();
     let ratio = log_ratio(&problem.unpack(&fit.effects, &fit.minimum.values).disturbance);
     let score = (ratio - BACKGROUND_RATIO.ln()) / error_of_ratio(problem, &fit, &covariance);
     let by_ratio = ratio > LEAST_RATIO.ln() && score > LEAST_SCORE && log_sigma <= WIDEST;
-    let (delta_bic, p_value) = if by_likelihood > DETECTION {
-        (by_likelihood, odds(gain, own.len()))
+    let (log_evidence, p_value) = if by_likelihood > 0.0 {
+        (by_likelihood, chance(gain, own.len()))
     } else if by_ratio {
-        let chance = 0.5 * statrs::function::erf::erfc(score / std::f64::consts::SQRT_2);
-        (score * score - (problem.count() as f64).ln(), chance)
+        let by_chance = 0.5 * statrs::function::erf::erfc(score / std::f64::consts::SQRT_2);
+        (0.5 * score * score, by_chance)
     } else {
         return None;
     };
@@ -133,10 +134,19 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
             estimate("sigma", "N m", sigma, log_sigma, [0.0, largest]),
             estimate("T", "s", time, log_time, [problem.sizes.step, problem.sizes.duration]),
         ],
-        delta_bic,
+        log_evidence,
         p_value,
-        fit,
     })
+}
+
+/// The fit's terms and values without those of the background; its criterion is not that of these values.
+fn without_background(problem: &Problem<'_>, fit: &Fit) -> Fit {
+    let mut fit = fit.clone();
+    while let Some(i) = fit.effects.iter().position(|effect| effect.is_background()) {
+        fit.minimum.values.drain(fit.own_range(problem, i));
+        fit.effects.remove(i);
+    }
+    fit
 }
 
 /// `fit` with a background that has no slow part, and that with a gust beside it.
@@ -151,12 +161,24 @@ fn without_and_with(problem: &Problem<'_>, fit: &Fit, disturbance: &Disturbance)
     let beside =
         |start: &Vec<f64>| TIMES.map(|time| [&start[..], &[slow / (2.0 * time).sqrt(), time]].concat());
     let both: Vec<Vec<f64>> = alone.iter().flat_map(beside).collect();
-    let effects = [&fit.effects[..], &[&SecondMoment]].concat();
-    let (without, with) = rayon::join(
-        || lowest_of_band_passed(problem, &fit.effects, &alone),
-        || lowest_of_band_passed(problem, &effects, &both),
+    let rolled: Vec<Vec<f64>> =
+        alone.iter().flat_map(|start| ROLL_OFFS.map(|time| [&start[..], &[time]].concat())).collect();
+    let with = |term: &'static dyn Effect| [&fit.effects[..], &[term]].concat();
+    let (gust, (two, three)) = rayon::join(
+        || lowest_of_band_passed(problem, &with(&SecondMoment), &both),
+        || {
+            rayon::join(
+                || lowest_of_band_passed(problem, &fit.effects, &alone),
+                || lowest_of_band_passed(problem, &with(&RollOff), &rolled),
+            )
+        },
     );
-    Some((without?, with?))
+    let better = |a: Fit, b: Fit| if b.criterion() < a.criterion() { b } else { a };
+    let without = match (two, three) {
+        (Some(two), Some(three)) => better(two, three),
+        (two, three) => two.or(three)?,
+    };
+    Some((without, gust?))
 }
 
 /// The unknowns, the background's zero held at that of a band pass.
@@ -202,13 +224,13 @@ fn covariance_of(problem: &Problem<'_>, fit: &Fit) -> Option<DMatrix<f64>> {
 /// Standard error of ln of the ratio.
 fn error_of_ratio(problem: &Problem<'_>, fit: &Fit, covariance: &DMatrix<f64>) -> f64 {
     let values = &fit.minimum.values;
-    let told = |v: &[f64]| log_ratio(&problem.unpack(&fit.effects, v).disturbance);
-    let at = told(values);
+    let described = |v: &[f64]| log_ratio(&problem.unpack(&fit.effects, v).disturbance);
+    let at = described(values);
     let slope = |i: usize| {
         let h = 1e-4 * values[i];
         let mut moved = values.clone();
         moved[i] += h;
-        if h == 0.0 { 0.0 } else { (told(&moved) - at) / h }
+        if h == 0.0 { 0.0 } else { (described(&moved) - at) / h }
     };
     let slopes = DVector::from_iterator(values.len(), (0..values.len()).map(slope));
     slopes.dot(&(covariance * &slopes)).max(0.0).sqrt()

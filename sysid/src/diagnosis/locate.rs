@@ -2,6 +2,7 @@
 
 use super::answer::Dependence;
 use crate::dataset::Place;
+use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::fit::weights;
 use crate::likelihood::free_run::{judged_channel, simulate, starting_points};
@@ -70,6 +71,24 @@ fn gain_by_sample(baseline: &Fit, extended: &Fit) -> Vec<f64> {
     };
     let pairs = baseline.minimum.residuals.iter().zip(&extended.minimum.residuals);
     pairs.map(|(x, y)| offset + square(&a.0, x) - square(&b.0, y)).collect()
+}
+
+/// Odds that a model as good as `rival` looks as much worse than `model` by chance: the gain over blocks against its own
+/// spread (Vuong, Econometrica 57, 1989).
+pub fn indistinct(problem: &Problem<'_>, model: &Fit, rival: &Fit) -> f64 {
+    let mut blocks: Vec<((usize, usize), f64)> = Vec::new();
+    for ((run, k), gain) in problem.counted_rows().zip(gain_by_sample(rival, model)) {
+        let block = (run, (k as f64 * problem.data.runs[run].step / BLOCK_S) as usize);
+        match blocks.last_mut() {
+            Some((last, sum)) if *last == block => *sum += gain,
+            _ => blocks.push((block, gain)),
+        }
+    }
+    let n = blocks.len().max(2) as f64;
+    let mean = blocks.iter().map(|b| b.1).sum::<f64>() / n;
+    let spread = (blocks.iter().map(|b| (b.1 - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    let score = mean * n.sqrt() / spread.max(f64::MIN_POSITIVE);
+    0.5 * statrs::function::erf::erfc(score / std::f64::consts::SQRT_2)
 }
 
 /// Band [low, high] in rad/s that holds the middle 80 % of the power by which two fits' free runs differ.

@@ -1,23 +1,32 @@
 //! Missing physics: located, named, modelled, and shown to pay.
+//!
+//! ```text
+//! checks of the data ──> selection (every model one number) ──> rotation (each section held out once)
+//!        │                       │                                     │
+//!        └──> check_data         └──> tests of what is left ──> verdict ──> answer
+//! ```
 
+pub mod adequacy;
 pub mod answer;
 mod building;
-pub mod change_point;
-pub mod consistency;
+mod ceiling;
+mod change_point;
 pub mod data_checks;
-pub mod describe;
+mod describe;
 mod diagnose;
-pub mod evaluation;
+mod estimates;
 mod excitation;
 mod experiment;
-pub mod goodness;
-pub mod gust;
-pub mod locate;
+mod gust;
+mod judgement;
+pub mod levels;
+mod locate;
 pub mod over_time;
-mod placebo;
-pub mod remainder;
+mod posterior;
+mod rotation;
 mod search;
-pub mod selection;
-mod verdict;
+mod selection;
+pub mod traces;
+pub mod verdict;
 
-pub use diagnose::{Diagnosis, diagnose};
+pub use diagnose::{Diagnosis, diagnose, diagnose_with};

@@ -14,8 +14,9 @@ const LOW_GAIN: f64 = 0.03;
 const HOPELESS: f64 = 60.0;
 /// A better moment to begin at is looked for where BIC lies at most this far above the best: it gains less than that.
 const NEAR_MOMENT: f64 = 30.0;
-/// Steps that every start is followed.
+/// Steps that a start is followed, and those of them that every start is.
 const CHORD_STEPS: usize = 8;
+const FIRST_STEPS: usize = 3;
 /// A candidate that has settled with less gain in BIC than this is not needed, whatever else is.
 const NEEDLESS: f64 = -4.0;
 /// Further below `before` a candidate has not settled: its own parameters could as well vanish.
@@ -28,6 +29,10 @@ const STEPS_TO_COME: f64 = 4.0;
 const SAME_PLACE: f64 = 1.0;
 /// A start that changes the criterion by less than this does nothing.
 const IDLE: f64 = 0.5;
+/// A start that gains less than this share of the best one's by its first steps is not followed,
+const PROMISING: f64 = 0.1;
+/// but for the first few.
+const ALWAYS_FOLLOWED: usize = 8;
 /// Prospects that are fitted whatever they look like: the baseline is fitted again from where they end.
 const ALWAYS_FITTED: usize = 3;
 /// From a start that the chord does not lead away from, the noise model has far to go.
@@ -114,7 +119,7 @@ fn prospects(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Eff
     let mut all = Vec::new();
     if let Some(chord) = chord(problem, before, optimum) {
         let starts = best_starts(problem, before, candidates, optimum, &chord);
-        all.extend(further(problem, before, starts, &chord));
+        all.extend(followed(problem, before, starts, &chord));
     }
     if let Some(mut low) = near_output_error(problem, before)
         && let Some(at_low) = chord(problem, before, &low)
@@ -125,10 +130,25 @@ fn prospects(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Eff
             values[noise.clone()].copy_from_slice(&optimum[noise.clone()]);
         }
         if let Some(chord) = chord(problem, before, &low) {
-            all.extend(further(problem, before, starts, &chord));
+            all.extend(followed(problem, before, starts, &chord));
         }
     }
     all
+}
+
+/// All prospects a few steps further along `chord`, those that promise more than others to the end.
+fn followed(problem: &Problem<'_>, before: &Fit, starts: Vec<Prospect>, chord: &Chord) -> Vec<Prospect> {
+    let begun = further(problem, before, starts, chord, FIRST_STEPS);
+    further(problem, before, promising(begun), chord, CHORD_STEPS - FIRST_STEPS)
+}
+
+/// Those that have come to a tenth of the best one's gain, and the first few at least: others do not come near.
+fn promising(mut starts: Vec<Prospect>) -> Vec<Prospect> {
+    starts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let floor = PROMISING * starts.first().map_or(0.0, |best| best.gain.max(0.0));
+    let count = starts.iter().filter(|start| start.gain >= floor).count();
+    starts.truncate(count.max(ALWAYS_FOLLOWED));
+    starts
 }
 
 /// Those prospects that may come to lie near the best, or to be needed at all: others have settled too far below. One
@@ -181,10 +201,16 @@ fn best_starts(
 
 /// The prospects a few steps further along `chord`. One that does not settle has followed a Jacobian that no longer holds,
 /// and stays where it began.
-fn further(problem: &Problem<'_>, before: &Fit, from: Vec<Prospect>, chord: &Chord) -> Vec<Prospect> {
+fn further(
+    problem: &Problem<'_>,
+    before: &Fit,
+    from: Vec<Prospect>,
+    chord: &Chord,
+    steps: usize,
+) -> Vec<Prospect> {
     from.into_par_iter()
         .filter_map(|Prospect { effects, values, .. }| {
-            let end = descend(problem, chord, &effects, &values, CHORD_STEPS)?;
+            let end = descend(problem, chord, &effects, &values, steps)?;
             let mut prospect = Prospect::new(problem, before, effects, end);
             if !prospect.settled() {
                 prospect.values = values;

@@ -1,138 +1,323 @@
-//! Which effects the data ask for: forward selection by likelihood, pruned backward, with the rivals of each.
+//! Which terms the data ask for: every model that the search visits gets one number, its log evidence, and every
+//! probability of the answer is a posterior over all of them.
+//!
+//! ```text
+//! ln P(M | data) = ln E(M) + Σ_terms ln prior(term) + const,      prior(term) = ½ · ⅔ / named   or   ½ · ⅓ / shapes
+//! ```
+//!
+//! E is the calibrated evidence of [`crate::likelihood::evidence`]. A term is added while that raises the posterior; then
+//! every term is dropped, and exchanged for every other, until no such step does.
 
-use super::search::fit_one_more;
-use crate::catalogue::CATALOGUE;
-use crate::likelihood::fit::{Fit, fit_baseline, refit, settled};
+use super::change_point::best_moment;
+use super::levels::{FURTHER_TERM, MOST_TERMS, NAMED};
+use super::posterior::{Selection, Visited, is_shape};
+use super::search::{Prospect, fit_one_more, screen};
+use crate::catalogue::roll_off::RollOff;
+use crate::catalogue::shapes::SHAPES;
+use crate::dataset::Place;
+use crate::likelihood::evidence::Information;
+use crate::likelihood::fit::{Fit, SKETCH, fit, fit_baseline, refit, settled};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use rayon::prelude::*;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// An effect is added when it lowers the BIC by more than this. Calibrated on simulated recordings without any
-/// effect, at all levels of disturbance.
-pub const DETECTION: f64 = 10.0;
-/// A further effect beside one that was found needs more: the first one's equation is idealised, and small terms mend it.
-const FURTHER: f64 = 14.0;
-/// An effect stays when taking it out raises the BIC by more than this.
-pub const RETENTION: f64 = 6.0;
-/// Candidates from whose values the baseline is fitted again.
-const BASELINE_STARTS: usize = 3;
-/// Most effects that one diagnosis adds.
-const MOST_EFFECTS: usize = 3;
-/// Rivals at least this probable are told.
-pub const PLAUSIBLE: f64 = 0.05;
+/// Candidates from whose noise models the model before is fitted again: one that has not settled makes every candidate look
+/// good.
+const FITTED_AGAIN: usize = 3;
+/// Rounds of dropping and exchanging.
+const MOST_EXCHANGES: usize = 4;
+/// Shapes that are fitted to the end, of all that were screened.
+const SHAPES_FITTED: usize = 2;
+/// Shapes in one model.
+const MOST_SHAPES: usize = 2;
+/// Share of what the names gain that a sketch of a shape must gain to be followed.
+const NEAR: f64 = 0.5;
+/// A log posterior that differs by less is the same: minima are found to about a tenth of that.
+const SAME: f64 = 0.3;
 
-/// One effect that was added, with what speaks for it.
-#[derive(Clone)]
-pub struct Finding {
-    /// The effect.
-    pub effect: &'static dyn Effect,
-    /// Posterior probability among all candidates in its place, the other effects given.
-    pub probability: f64,
-    /// Candidates that the data cannot rule out, with their probabilities.
-    pub rivals: Vec<(&'static dyn Effect, f64)>,
-    /// Fits with each of the rivals in its place.
-    pub rival_fits: Vec<Fit>,
-    /// BIC without the effect less BIC with it.
-    pub delta_bic: f64,
-    /// Odds of so large a gain in likelihood by chance (likelihood ratio, χ²).
-    pub p_value: f64,
+/// Candidates of the catalogue that can be asked for with these data.
+pub struct Candidates {
+    named: Vec<&'static dyn Effect>,
+    shapes: Vec<&'static dyn Effect>,
 }
 
-/// The outcome of the selection.
-pub struct Selection {
-    /// The baseline, its parameters estimated again.
-    pub baseline: Fit,
-    /// The baseline with all findings.
-    pub extended: Fit,
-    /// The findings, largest contribution first.
-    pub findings: Vec<Finding>,
-}
-
-/// Selects effects. `None` where not even the baseline has a finite likelihood.
-pub fn select(problem: &Problem<'_>, progress: &(dyn Fn(&str) + Sync)) -> Option<Selection> {
-    progress("fitting the baseline");
-    let mut current = fit_baseline(problem)?;
-    let mut rounds: Vec<Round> = Vec::new();
-    for round in 0..MOST_EFFECTS {
-        progress(&format!("trying the catalogue's effects on top of {}", told(&current)));
-        let tried = one_more(problem, &current);
-        let needed = if round == 0 { DETECTION } else { FURTHER };
-        let bic = tried.before.bic(problem);
-        let best = tried.fits.first().filter(|fit| bic - fit.bic(problem) > needed);
-        current = best.map_or_else(|| tried.before.clone(), |best| settled(problem, best.clone()));
-        let ended = best.is_none();
-        rounds.push(tried);
-        if ended {
-            break;
-        }
+impl Candidates {
+    /// Those of `catalogue` that apply, and all shapes.
+    pub fn new(problem: &Problem<'_>, catalogue: &[&'static dyn Effect]) -> Self {
+        let applies = |e: &&'static dyn Effect| e.applies(problem.baseline, problem.data);
+        let named = catalogue.iter().copied().filter(applies).collect();
+        Self { named, shapes: SHAPES.iter().map(|&s| s as &'static dyn Effect).collect() }
     }
-    progress("checking which effects are needed");
-    let mut extended = prune(problem, current);
-    loop {
-        match findings(problem, &rounds, &extended) {
-            Examined::Needed(findings) => {
-                return Some(Selection { baseline: rounds.swap_remove(0).before, extended, findings });
+
+    /// ln of the prior odds of a model with these terms.
+    fn log_prior(&self, effects: &[&'static dyn Effect]) -> f64 {
+        let of = |effect: &&'static dyn Effect| {
+            if effect.is_background() {
+                return FURTHER_TERM.ln();
             }
-            Examined::Needless(rest) => extended = *rest,
-        }
+            let share = if is_shape(*effect) {
+                (1.0 - NAMED) / self.shapes.len() as f64
+            } else {
+                NAMED / self.named.len().max(1) as f64
+            };
+            (FURTHER_TERM * share).ln()
+        };
+        effects.iter().map(of).sum()
     }
 }
 
-/// A model with each effect of the catalogue that it lacks.
-#[derive(Clone)]
+/// A model with each candidate that it lacks.
 struct Round {
-    before: Fit,
-    /// With one more effect, the last one; best first.
-    fits: Vec<Fit>,
+    before: usize,
+    after: Vec<usize>,
 }
 
-/// What a closer look at each effect says: all are needed, or a fit without one of them is as good.
-enum Examined {
-    Needed(Vec<Finding>),
-    Needless(Box<Fit>),
+struct Search<'p, 'd> {
+    problem: &'p Problem<'d>,
+    candidates: Candidates,
+    parts: &'p [Vec<Place>],
+    visited: Vec<Visited>,
+    rounds: Vec<Round>,
 }
 
-fn told(fit: &Fit) -> String {
-    if fit.effects.is_empty() { "the baseline".into() } else { fit.ids().join(" + ") }
-}
-
-/// `before` with each effect of the catalogue that it lacks, best first; and `before` itself, fitted again from where
-/// the candidates ended: a baseline that has not settled makes every candidate look good.
-fn one_more(problem: &Problem<'_>, before: &Fit) -> Round {
-    let missing: Vec<&'static dyn Effect> = CATALOGUE
-        .iter()
-        .copied()
-        .filter(|candidate| candidate.applies(problem.baseline, problem.data))
-        .filter(|candidate| before.effects.iter().all(|e| e.about().id != candidate.about().id))
-        .collect();
-    let fits = fit_one_more(problem, before, &missing);
-    let length = before.minimum.values.len();
-    let again: Vec<Fit> = fits
-        .par_iter()
-        .take(BASELINE_STARTS)
-        .filter_map(|fit| refit(problem, &before.effects, &fit.minimum.values[..length]))
-        .collect();
-    let best = again.into_iter().fold(before.clone(), lower);
-    Round { before: best, fits }
-}
-
-fn lower(a: Fit, b: Fit) -> Fit {
-    if b.criterion() < a.criterion() { b } else { a }
-}
-
-/// Takes out, one after the other, effects that the others have made needless.
-fn prune(problem: &Problem<'_>, mut fit: Fit) -> Fit {
-    while fit.effects.len() > 1 {
-        let weakest = (0..fit.effects.len())
-            .filter_map(|i| without(problem, &fit, i))
-            .min_by(|a, b| a.bic(problem).total_cmp(&b.bic(problem)));
-        match weakest {
-            Some(less) if less.bic(problem) - fit.bic(problem) < RETENTION => fit = less,
+/// Selects terms. `parts` are the parts of the data that will be held out in turn. `None` where not even the baseline has a
+/// finite likelihood.
+pub fn select(
+    problem: &Problem<'_>,
+    catalogue: &[&'static dyn Effect],
+    parts: &[Vec<Place>],
+    progress: &(dyn Fn(&str) + Sync),
+) -> Option<Selection> {
+    progress("fitting the baseline");
+    let candidates = Candidates::new(problem, catalogue);
+    let mut search = Search { problem, candidates, parts, visited: Vec::new(), rounds: Vec::new() };
+    let baseline = fit_baseline(problem)?;
+    let mut current = search.visit(baseline)?;
+    current = search.with_roll_off(current);
+    for _ in 0..MOST_TERMS {
+        progress(&format!("trying the catalogue's effects on top of {}", search.described(current)));
+        let all = search.candidates.named.clone();
+        let round = search.one_more(current, &all);
+        current = round.before;
+        let best = search.best(&round.after);
+        search.rounds.push(round);
+        match best {
+            Some(best) if search.improvement(best, current) > 0.0 => current = search.settle(best),
             _ => break,
         }
     }
-    fit
+    let baseline = search.rounds.first().map_or(current, |round| round.before);
+    progress("dropping and exchanging effects");
+    let named = search.exchange(current);
+    progress("trying terms without a name");
+    let extended = search.with_shapes(named);
+    if named != baseline {
+        search.visit_shape_instead(baseline, named);
+    }
+    let extended = search.without_needless(extended, named);
+    let fullest = search.best_of_all(extended, |_| true);
+    Some(Selection { visited: search.visited, baseline, named, extended, fullest })
+}
+
+impl Search<'_, '_> {
+    /// Keeps a fit; of two with the same terms the better.
+    fn visit(&mut self, fit: Fit) -> Option<usize> {
+        let mut ids = fit.ids();
+        ids.sort_unstable();
+        let same = |other: &Visited| {
+            let mut others = other.fit.ids();
+            others.sort_unstable();
+            others == ids
+        };
+        let known = self.visited.iter().position(same);
+        if let Some(place) = known
+            && self.visited[place].fit.criterion() <= fit.criterion()
+        {
+            return Some(place);
+        }
+        let information = Information::new(self.problem, &fit, self.parts)?;
+        let visited = Visited { log_prior: self.candidates.log_prior(&fit.effects), fit, information };
+        Some(match known {
+            Some(place) => {
+                self.visited[place] = visited;
+                place
+            }
+            None => {
+                self.visited.push(visited);
+                self.visited.len() - 1
+            }
+        })
+    }
+
+    fn described(&self, place: usize) -> String {
+        let effects = self.visited[place].fit.effects.iter();
+        let ids: Vec<&str> = effects.filter(|e| !e.is_background()).map(|e| e.about().id).collect();
+        if ids.is_empty() { "the baseline".into() } else { ids.join(" + ") }
+    }
+
+    /// The model at `place`, or that with a third pole of the background where it is more probable.
+    fn with_roll_off(&mut self, place: usize) -> usize {
+        let before = self.visited[place].fit.clone();
+        let prospects = screen(self.problem, &before, &[&RollOff]);
+        let fit = prospects.first().and_then(|p| refit(self.problem, &p.effects, &p.values));
+        match fit.and_then(|fit| self.visit(fit)) {
+            Some(other) if self.improvement(other, place) > 0.0 => other,
+            _ => place,
+        }
+    }
+
+    /// The model at `before` with each named candidate that it lacks; and itself, fitted again from where these ended.
+    fn one_more(&mut self, before: usize, candidates: &[&'static dyn Effect]) -> Round {
+        let fit = self.visited[before].fit.clone();
+        let lacking = |e: &&'static dyn Effect| fit.position(e.about().id).is_none();
+        let missing: Vec<&'static dyn Effect> = candidates.iter().copied().filter(lacking).collect();
+        let fits = fit_one_more(self.problem, &fit, &missing);
+        let length = fit.minimum.values.len();
+        let again: Vec<Fit> = fits
+            .par_iter()
+            .take(FITTED_AGAIN)
+            .filter_map(|other| refit(self.problem, &fit.effects, &other.minimum.values[..length]))
+            .collect();
+        for fit in again {
+            self.visit(fit);
+        }
+        // A term that another one drives to its bound is needless beside it.
+        let needed = |other: &Fit| {
+            let idle = |i: &usize| !other.effects[*i].is_background() && other.at_bound(self.problem, *i);
+            match (0..fit.effects.len()).find(idle) {
+                Some(i) => without(self.problem, other, i),
+                None => Some(other.clone()),
+            }
+        };
+        let fits: Vec<Fit> = fits.par_iter().filter_map(needed).collect();
+        let after = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
+        Round { before, after }
+    }
+
+    /// Candidates that came near in some round, and those of a class with one of them.
+    fn near(&self) -> Vec<&'static dyn Effect> {
+        let seen = |e: &dyn Effect| self.visited.iter().any(|v| v.fit.position(e.about().id).is_some());
+        let class = |e: &dyn Effect| {
+            e.class().is_some()
+                && self.candidates.named.iter().any(|other| other.class() == e.class() && seen(*other))
+        };
+        self.candidates.named.iter().copied().filter(|e| seen(*e) || class(*e)).collect()
+    }
+
+    fn settle(&mut self, place: usize) -> usize {
+        let fit = settled(self.problem, self.visited[place].fit.clone());
+        self.visit(fit).unwrap_or(place)
+    }
+
+    fn log_posterior(&self, place: usize, divisor: f64) -> f64 {
+        self.visited[place].log_posterior(self.problem, divisor)
+    }
+
+    /// Gain of the log posterior by the terms of `after` that `before` has not.
+    fn improvement(&self, after: usize, before: usize) -> f64 {
+        let divisor = self.visited[after].divisor_beyond(self.problem, &self.visited[before].fit);
+        self.log_posterior(after, divisor) - self.log_posterior(before, divisor)
+    }
+
+    fn best(&self, places: &[usize]) -> Option<usize> {
+        let likeliest =
+            |a: &usize, b: &usize| self.log_posterior(*a, 1.0).total_cmp(&self.log_posterior(*b, 1.0));
+        places.iter().copied().max_by(likeliest)
+    }
+
+    /// The most probable of all models that `count`, with the divisor of the terms of the one at hand.
+    fn best_of_all(&self, current: usize, count: impl Fn(&Visited) -> bool) -> usize {
+        let divisor = self.visited[current].divisor(self.problem);
+        let all = (0..self.visited.len()).filter(|&i| count(&self.visited[i]));
+        let value = |i: usize| self.log_posterior(i, divisor) + if i == current { SAME } else { 0.0 };
+        all.max_by(|a, b| value(*a).total_cmp(&value(*b))).unwrap_or(current)
+    }
+
+    /// Every term dropped, and exchanged for every candidate, until no such step is more probable.
+    fn exchange(&mut self, mut current: usize) -> usize {
+        for _ in 0..MOST_EXCHANGES {
+            for rest in self.visit_without(current) {
+                if !self.rounds.iter().any(|round| round.before == rest) {
+                    let round = self.one_more(rest, &self.near());
+                    self.rounds.push(round);
+                }
+            }
+            let named = |v: &Visited| v.fit.effects.iter().all(|e| !is_shape(*e));
+            let best = self.best_of_all(current, named);
+            if best == current {
+                break;
+            }
+            current = self.settle(best);
+        }
+        current
+    }
+
+    /// The model at `place` without each of its terms in turn.
+    fn visit_without(&mut self, place: usize) -> Vec<usize> {
+        let fit = self.visited[place].fit.clone();
+        let terms: Vec<usize> = (0..fit.effects.len()).filter(|&i| !fit.effects[i].is_background()).collect();
+        let fits: Vec<Fit> = terms.par_iter().filter_map(|&i| without(self.problem, &fit, i)).collect();
+        fits.into_iter().filter_map(|fit| self.visit(fit)).collect()
+    }
+
+    /// The shapes that promise most beside the model at `place`, a few steps from their starts.
+    fn shapes(&self, place: usize) -> Vec<Prospect> {
+        let before = &self.visited[place].fit;
+        let lacking = |e: &&'static dyn Effect| before.position(e.about().id).is_none();
+        let shapes: Vec<&'static dyn Effect> =
+            self.candidates.shapes.iter().copied().filter(lacking).collect();
+        let mut prospects = screen(self.problem, before, &shapes);
+        prospects.truncate(SHAPES_FITTED);
+        prospects
+    }
+
+    /// The model at `place` with the shapes that raise its posterior.
+    fn with_shapes(&mut self, place: usize) -> usize {
+        let mut current = place;
+        for _ in 0..MOST_SHAPES {
+            let prospects = self.shapes(current);
+            let fits: Vec<Fit> =
+                prospects.par_iter().filter_map(|p| refit(self.problem, &p.effects, &p.values)).collect();
+            let after: Vec<usize> = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
+            match self.best(&after) {
+                Some(best) if self.improvement(best, current) > 0.0 => current = best,
+                _ => break,
+            }
+        }
+        current
+    }
+
+    /// The best shape in place of all names, where a sketch of it comes at least near to what they gain.
+    fn visit_shape_instead(&mut self, baseline: usize, named: usize) {
+        let (none, names) = (self.visited[baseline].fit.criterion(), self.visited[named].fit.criterion());
+        let near = |sketch: &Fit| none - sketch.criterion() > NEAR * (none - names);
+        let fits: Vec<Fit> = self
+            .shapes(baseline)
+            .par_iter()
+            .filter_map(|p| fit(self.problem, &p.effects, &p.values, SKETCH).filter(near))
+            .filter_map(|sketch| refit(self.problem, &sketch.effects, &sketch.minimum.values))
+            .collect();
+        for fit in fits {
+            self.visit(fit);
+        }
+    }
+
+    /// The model at `place` less the named terms that its shapes have made needless.
+    fn without_needless(&mut self, mut place: usize, named: usize) -> usize {
+        while place != named {
+            let rest = self.visit_without(place);
+            let shapes = |v: &Visited| v.fit.effects.iter().filter(|e| is_shape(**e)).count();
+            let all = shapes(&self.visited[place]);
+            let fewer = rest.into_iter().filter(|&i| shapes(&self.visited[i]) == all);
+            let needless =
+                fewer.max_by(|a, b| self.improvement(place, *b).total_cmp(&self.improvement(place, *a)));
+            match needless {
+                Some(less) if self.improvement(place, less) < 0.0 => place = less,
+                _ => break,
+            }
+        }
+        place
+    }
 }
 
 /// `fit` without its `i`-th effect, fitted again.
@@ -141,64 +326,57 @@ pub fn without(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<Fit> {
     let mut values = fit.minimum.values.clone();
     values.drain(fit.own_range(problem, i));
     effects.remove(i);
-    refit(problem, &effects, &values)
+    refit(problem, &effects, &values).map(|fit| best_moment(problem, fit))
 }
 
-fn findings(problem: &Problem<'_>, rounds: &[Round], extended: &Fit) -> Examined {
-    let mut findings = Vec::new();
-    for (i, &effect) in extended.effects.iter().enumerate() {
-        let others: Vec<&str> = extended.ids().into_iter().filter(|id| *id != effect.about().id).collect();
-        let same = |round: &&Round| {
-            let ids = round.before.ids();
-            ids.len() == others.len() && ids.iter().all(|id| others.contains(id))
-        };
-        let Round { before: rest, fits: rivals } =
-            match (rounds.iter().find(same), without(problem, extended, i)) {
-                (Some(round), None) => round.clone(),
-                (Some(round), Some(less)) => {
-                    Round { before: lower(round.before.clone(), less), fits: round.fits.clone() }
-                }
-                (None, Some(less)) => one_more(problem, &less),
-                // The others alone leave no finite likelihood: this one is judged against the baseline.
-                (None, None) => Round { before: rounds[0].before.clone(), fits: Vec::new() },
-            };
-        let finding = finding(problem, effect, extended, &rest, rivals);
-        if finding.delta_bic < RETENTION {
-            return Examined::Needless(Box::new(rest));
-        }
-        findings.push(finding);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::{CATALOGUE, find};
+    use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model};
+    use crate::diagnosis::posterior::Finding;
+
+    /// What is selected for a flight of the model with another delay.
+    fn with_delay<T>(delay: f64, ask: impl Fn(&Problem<'_>, &Selection, Vec<Finding>) -> T) -> T {
+        fitted(&flight(1, 0.0).recording(), &model(GAIN, delay), |_, problem, _| {
+            let selection = select(problem, CATALOGUE, &[], &|_| ()).unwrap();
+            let findings = selection.findings(problem, selection.extended);
+            ask(problem, &selection, findings)
+        })
     }
-    findings.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
-    Examined::Needed(findings)
-}
 
-fn finding(
-    problem: &Problem<'_>,
-    effect: &'static dyn Effect,
-    extended: &Fit,
-    rest: &Fit,
-    mut candidates: Vec<Fit>,
-) -> Finding {
-    let is_it = |fit: &Fit| fit.effects.last().is_some_and(|e| e.about().id == effect.about().id);
-    candidates.retain(|fit| !is_it(fit) && fit.effects.len() == extended.effects.len());
-    let best = extended.bic(problem);
-    let weight = |fit: &Fit| (-0.5 * (fit.bic(problem) - best)).exp();
-    let total = 1.0 + weight(rest) + candidates.iter().map(weight).sum::<f64>();
-    let mut rivals: Vec<(f64, Fit)> = candidates.into_iter().map(|fit| (weight(&fit) / total, fit)).collect();
-    rivals.retain(|(probability, _)| *probability >= PLAUSIBLE);
-    let parameters = effect.parameters(&problem.sizes).len();
-    let gain = rest.criterion() - extended.criterion();
-    Finding {
-        effect,
-        probability: 1.0 / total,
-        rivals: rivals.iter().filter_map(|(p, fit)| Some((*fit.effects.last()?, *p))).collect(),
-        rival_fits: rivals.into_iter().map(|(_, fit)| fit).collect(),
-        delta_bic: rest.bic(problem) - best,
-        p_value: odds(gain, parameters),
+    #[test]
+    fn nothing_is_added_where_nothing_is_missing() {
+        with_delay(0.06, |problem, selection, findings| {
+            assert!(findings.is_empty());
+            assert_eq!((selection.named, selection.extended), (selection.baseline, selection.baseline));
+            assert_eq!(selection.gain(problem, selection.baseline), 0.0);
+        });
     }
-}
 
-/// Odds of a gain of 2 log likelihood of `gain` or more by chance, with `parameters` more (likelihood ratio, χ²).
-pub fn odds(gain: f64, parameters: usize) -> f64 {
-    ChiSquared::new(parameters as f64).map_or(1.0, |chi| chi.sf(gain.max(0.0)))
+    #[test]
+    fn a_wrong_delay_is_found_with_the_size_it_has_and_takes_the_whole_share() {
+        with_delay(0.1, |_, selection, findings| {
+            let [found] = findings.as_slice() else { panic!("{} terms", findings.len()) };
+            assert_eq!(found.effect.about().id, "extra_delay");
+            assert!(found.named && found.probability > 0.95 && found.share > 0.95, "{}", found.probability);
+            assert!(found.p_value < 1e-12 && found.without == Some(selection.baseline));
+            let fit = &selection.visited[selection.extended].fit;
+            assert!((fit.minimum.values.last().unwrap() + 0.04).abs() < 0.003);
+        });
+    }
+
+    #[test]
+    fn a_name_is_twice_as_likely_beforehand_as_a_shape_and_each_term_halves_the_odds() {
+        fitted(&flight(1, 0.0).recording(), &model(GAIN, 0.06), |_, problem, _| {
+            let candidates = Candidates::new(problem, CATALOGUE);
+            let lag = find("servo_lag").unwrap();
+            let (names, shapes) = (candidates.named.len() as f64, candidates.shapes.len() as f64);
+            let odds = |effects: &[&'static dyn Effect]| candidates.log_prior(effects).exp();
+            assert_eq!(odds(&[]), 1.0);
+            let (name, shape) = (odds(&[lag]) * names, odds(&candidates.shapes[..1]) * shapes);
+            assert!((name / shape - 2.0).abs() < 1e-9 && (name + shape - 0.5).abs() < 1e-9);
+            assert!((odds(&[lag, lag]) - odds(&[lag]).powi(2)).abs() < 1e-15);
+        });
+    }
 }

@@ -70,7 +70,7 @@ impl Information {
         let (weight, _) = weights(&fit.minimum.residuals);
         let moves = |i: &usize| {
             let bounds = coordinates[*i].bounds;
-            let hair = 1e-9 * (bounds[1] - bounds[0]);
+            let hair = 1e-6 * (bounds[1] - bounds[0]);
             values[*i] > bounds[0] + hair
                 && values[*i] < bounds[1] - hair
                 && slopes[*i].iter().any(|e| e[0] != 0.0 || e[1] != 0.0)
@@ -170,6 +170,15 @@ impl Information {
             all[i] = variance.max(0.0).sqrt() * self.coordinates[i].stretch(values[i]);
         }
         all
+    }
+
+    /// Whether one of the unknowns `own` that may have either sign has a 95 % interval that holds zero: then it is no term.
+    pub fn holds_zero(&self, mut own: impl Iterator<Item = usize>, values: &[f64]) -> bool {
+        let deviations = self.deviations(values);
+        own.any(|i| {
+            let [low, high] = self.coordinates[i].bounds;
+            low < 0.0 && high > 0.0 && values[i].abs() < 1.96 * deviations[i]
+        })
     }
 
     /// The unknowns fitted without part `part` of the data: one Gauss–Newton step from `values`.

@@ -3,4 +3,5 @@
 pub mod evidence;
 pub mod fit;
 pub mod free_run;
+pub mod horizon;
 pub mod problem;

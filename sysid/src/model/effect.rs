@@ -25,6 +25,17 @@ pub enum Locus {
     Environment,
 }
 
+/// Effects that the data often cannot separate by nature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Lags and delays: they turn the phase alike.
+    Phase,
+    /// What takes small signals away: dead bands, play, dry friction.
+    SmallSignals,
+    /// What stiffens at large angles.
+    LargeAngles,
+}
+
 /// How a parameter is searched: on its own scale, or on the logarithm of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
@@ -102,6 +113,10 @@ pub trait Effect: Sync {
     /// Index of the parameter that is a moment in time from which on the effect acts: the likelihood has many minima over
     /// it, and kinks.
     fn begins_at(&self) -> Option<usize> {
+        None
+    }
+    /// The class of effects that one excitation hardly separates from it.
+    fn class(&self) -> Option<Class> {
         None
     }
     /// Whether it belongs to the background, which every model may have: then it is no finding.

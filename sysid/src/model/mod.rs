@@ -3,6 +3,7 @@
 pub mod baseline;
 pub mod effect;
 pub mod file;
+pub mod innovation_filter;
 pub mod kalman;
 pub mod noise;
 pub mod pitch;

@@ -3,6 +3,7 @@
 //! Linear parts are propagated exactly (matrix exponential), effects by a midpoint rule over steps of at most 10 ms:
 //! each effect's moment is split into its linear part, which joins the state matrix, and a remainder.
 
+use super::innovation_filter::InnovationFilter;
 use super::kalman::{Channel, steady_gain};
 use super::shift::Shift;
 use super::transition::Transition;
@@ -199,6 +200,27 @@ impl<'a> PitchModel<'a> {
         let plant = Plant { inertia: factor * self.plant.inertia, ..self.plant };
         let later = PitchModel::new(&plant, &[], disturbance, self.step, &self.sizes)?;
         Some(Gains { begin, changed: Some(later.steady(disturbance, run)?) })
+    }
+
+    /// How a moment or an addition to a measurement that the model lacks shows in the innovations of the predictor with
+    /// `gains` over `run`; the terms by their linear part.
+    pub fn innovation_filter(&self, gains: &Gains, run: &Run) -> InnovationFilter {
+        let (rate, angle) = self.measured;
+        let channels = [(run.rate.is_some(), rate), (run.angle.is_some(), angle)];
+        let measured: Vec<usize> = channels.iter().filter(|c| c.0).map(|c| c.1).collect();
+        let per_addition: Vec<State> = gains.begin.iter().map(|k| self.over_sample * k).collect();
+        let mut transition = self.over_sample;
+        for (&state, addition) in measured.iter().zip(&per_addition) {
+            let less = transition.column(state) - addition;
+            transition.set_column(state, &less);
+        }
+        InnovationFilter {
+            transition,
+            per_moment: self.per_moment_of_substep.iter().sum(),
+            per_addition,
+            measured,
+            delay: self.delay,
+        }
     }
 
     fn inertia_at(&self, t: f64) -> f64 {

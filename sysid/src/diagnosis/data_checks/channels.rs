@@ -1,6 +1,6 @@
 //! Clock, saturation and dead channels: what reading the recordings brought to light, and what it did not.
 
-use super::{DullCause, Gravity, joined};
+use super::{DataCheck, Gravity, joined};
 use crate::estimate::digits;
 use crate::recording::{NoteKind, Recording};
 
@@ -16,11 +16,11 @@ fn notes_of(recording: &Recording, kinds: &[NoteKind]) -> Option<String> {
 }
 
 /// Irregular stamps, gaps, missing and double samples.
-pub fn clock(recordings: &[Recording]) -> DullCause {
+pub fn clock(recordings: &[Recording]) -> DataCheck {
     const CAUSE: &str = "clock";
     let kinds = [NoteKind::Resampled, NoteKind::Filled, NoteKind::Gap, NoteKind::Duplicate];
     if let Some(words) = joined(recordings, |recording| notes_of(recording, &kinds)) {
-        return DullCause::found(CAUSE, Gravity::Told, words);
+        return DataCheck::found(CAUSE, Gravity::Told, words);
     }
     let regular = |recording: &Recording| {
         let jitter = notes_of(recording, &[NoteKind::Snapped]);
@@ -31,11 +31,11 @@ pub fn clock(recordings: &[Recording]) -> DullCause {
             jitter.map_or(String::new(), |text| format!("; {text}"))
         ))
     };
-    DullCause::ruled_out(CAUSE, joined(recordings, regular).unwrap_or_default())
+    DataCheck::ruled_out(CAUSE, joined(recordings, regular).unwrap_or_default())
 }
 
 /// Signals that stay at their extreme values as recorded.
-pub fn saturation(recordings: &[Recording]) -> DullCause {
+pub fn saturation(recordings: &[Recording]) -> DataCheck {
     const CAUSE: &str = "saturation";
     let clipped = |recording: &Recording| {
         let parts = [notes_of(recording, &[NoteKind::Clipped]), clipped_input(recording)];
@@ -43,23 +43,23 @@ pub fn saturation(recordings: &[Recording]) -> DullCause {
         (!parts.is_empty()).then(|| parts.join("; "))
     };
     if let Some(words) = joined(recordings, clipped) {
-        return DullCause::found(CAUSE, Gravity::Told, words);
+        return DataCheck::found(CAUSE, Gravity::Told, words);
     }
     let extremes = |recording: &Recording| {
-        let told: Vec<String> = outputs(recording)
+        let described: Vec<String> = outputs(recording)
             .map(|(name, values)| {
                 let (low, high) = range(values);
                 format!("{name} reaches {} and {}", digits(low), digits(high))
             })
             .collect();
-        Some(format!("{}, without a plateau there", told.join(", ")))
+        Some(format!("{}, without a plateau there", described.join(", ")))
     };
-    DullCause::ruled_out(CAUSE, joined(recordings, extremes).unwrap_or_default())
+    DataCheck::ruled_out(CAUSE, joined(recordings, extremes).unwrap_or_default())
 }
 
 /// Sections in which an input that changes from sample to sample sits at its extreme value again and again.
 fn clipped_input(recording: &Recording) -> Option<String> {
-    let told = recording.sections.iter().flat_map(|section| {
+    let described = recording.sections.iter().flat_map(|section| {
         let u = &recording.u[section.rows.clone()];
         let changes = u.windows(2).filter(|pair| pair[0] != pair[1]).count();
         let (low, high) = range(u);
@@ -81,12 +81,12 @@ fn clipped_input(recording: &Recording) -> Option<String> {
             })
         })
     });
-    let told: Vec<String> = told.collect();
-    (!told.is_empty()).then(|| told.join("; "))
+    let described: Vec<String> = described.collect();
+    (!described.is_empty()).then(|| described.join("; "))
 }
 
 /// Signals that do not move.
-pub fn dead(recordings: &[Recording]) -> DullCause {
+pub fn dead(recordings: &[Recording]) -> DataCheck {
     const CAUSE: &str = "dead_channel";
     let input = |recording: &Recording| notes_of(recording, &[NoteKind::DeadInput]);
     let output = |recording: &Recording| {
@@ -94,17 +94,17 @@ pub fn dead(recordings: &[Recording]) -> DullCause {
         Some(format!("{}; {advice}", notes_of(recording, &[NoteKind::DeadOutput])?))
     };
     if let Some(words) = joined(recordings, output) {
-        return DullCause::found(CAUSE, Gravity::Stops, words);
+        return DataCheck::found(CAUSE, Gravity::Stops, words);
     }
     let partly = |recording: &Recording| {
-        let told: Vec<String> = still_sections(recording).collect();
-        (!told.is_empty()).then(|| told.join("; "))
+        let described: Vec<String> = still_sections(recording).collect();
+        (!described.is_empty()).then(|| described.join("; "))
     };
     if let Some(words) = joined(recordings, input).or_else(|| joined(recordings, partly)) {
-        return DullCause::found(CAUSE, Gravity::Headline, words);
+        return DataCheck::found(CAUSE, Gravity::Headline, words);
     }
     let moving: Vec<&str> = recordings.first().into_iter().flat_map(outputs).map(|(name, _)| name).collect();
-    DullCause::ruled_out(CAUSE, format!("the input and {} move in every section", moving.join(" and ")))
+    DataCheck::ruled_out(CAUSE, format!("the input and {} move in every section", moving.join(" and ")))
 }
 
 /// Outputs that are constant in a whole section.

@@ -16,10 +16,9 @@
 //!
 //! Sources: Haugh, JASA 71, 1976; White's (1980) variance, for errors of uneven size.
 
-use super::{DullCause, Gravity};
+use super::{DataCheck, Gravity};
 use crate::dataset::Place;
 use crate::estimate::digits;
-use crate::held_out::Split;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::pitch::Output;
@@ -62,11 +61,11 @@ pub struct Loops {
 
 impl Loops {
     /// Tests the sections that claim to be open loop, the rows of the supervisor left out.
-    pub fn new(recordings: &[Recording], problem: &Problem<'_>, split: &Split, fit: &Fit) -> Self {
+    pub fn new(recordings: &[Recording], problem: &Problem<'_>, fit: &Fit) -> Self {
         let mut loops = Self::default();
         let Some(innovations) = innovations(problem, fit) else { return loops };
         let (mut entered, mut rows) = (0usize, 0usize);
-        for place in split.all() {
+        for place in problem.data.places() {
             if closed_by_design(recordings, problem, &place) {
                 loops.closed.push(place.label);
                 continue;
@@ -106,7 +105,7 @@ impl Loops {
     }
 
     /// In words.
-    pub fn told(&self) -> DullCause {
+    pub fn check(&self) -> DataCheck {
         let found = self.tests.iter().filter(|(_, test)| self.is_closed(test));
         let mut parts: Vec<String> = found
             .map(|(label, test)| {
@@ -119,28 +118,28 @@ impl Loops {
             .collect();
         let heavy = !parts.is_empty() || self.share > OVERRIDDEN;
         if !self.overridden.is_empty() {
-            let told: Vec<String> = self
+            let described: Vec<String> = self
                 .overridden
                 .iter()
                 .map(|(label, share)| format!("{:.1} % of {label}", 100.0 * share))
                 .collect();
             parts.push(format!(
                 "the supervisor overrode the excitation in {}: the input answers to the motion there",
-                told.join(", ")
+                described.join(", ")
             ));
         }
         if !parts.is_empty() {
             let gravity = if heavy { Gravity::Headline } else { Gravity::Told };
             let words =
                 format!("{} (free runs are biased by it, one-step predictions are not)", parts.join("; "));
-            return DullCause::found(CAUSE, gravity, words);
+            return DataCheck::found(CAUSE, gravity, words);
         }
         let by_design = match self.closed.as_slice() {
             [] => String::new(),
             labels => format!("; a closed loop by design: {}", labels.join(", ")),
         };
         let Some(least) = self.tests.iter().map(|(_, test)| test.p_value).min_by(f64::total_cmp) else {
-            return DullCause::cannot_tell(CAUSE, format!("no section that could be tested{by_design}"));
+            return DataCheck::cannot_tell(CAUSE, format!("no section that could be tested{by_design}"));
         };
         let labels: Vec<&str> = self.tests.iter().map(|(label, _)| label.as_str()).collect();
         let words = format!(
@@ -148,7 +147,7 @@ impl Loops {
             labels.join(", "),
             digits(least)
         );
-        DullCause::ruled_out(CAUSE, words)
+        DataCheck::ruled_out(CAUSE, words)
     }
 }
 

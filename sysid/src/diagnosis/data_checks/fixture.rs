@@ -1,7 +1,6 @@
-//! A test flight for the tests of dull causes: q̇ = (∂M/∂q q + ∂M/∂u u(t−3T) + disturbance)/Iyy at 50 Hz.
+//! A test flight for the tests of checks of the data: q̇ = (∂M/∂q q + ∂M/∂u u(t−3T) + disturbance)/Iyy at 50 Hz.
 
 use crate::dataset::Dataset;
-use crate::held_out::Split;
 use crate::likelihood::fit::{Fit, fit_baseline};
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
@@ -105,13 +104,12 @@ pub fn model(dm_du: f64, delay: f64) -> ModelFile {
 pub fn fitted<T>(
     recording: &Recording,
     model: &ModelFile,
-    ask: impl FnOnce(&[Recording], &Problem<'_>, &Split, &Fit) -> T,
+    ask: impl FnOnce(&[Recording], &Problem<'_>, &Fit) -> T,
 ) -> T {
     let recordings = std::slice::from_ref(recording);
     let data = Dataset::new(recordings).unwrap();
     let baseline = Baseline::from_model(model, &data).unwrap();
-    let split = Split::new(&data);
-    let problem = Problem::new(&data, &baseline, &split.held_out);
+    let problem = Problem::new(&data, &baseline, &[]);
     let fit = fit_baseline(&problem).unwrap();
-    ask(recordings, &problem, &split, &fit)
+    ask(recordings, &problem, &fit)
 }

@@ -3,7 +3,7 @@
 //! Missing physics, and a start from a wrong unit, can bend a fit's ∂M/∂u by more than a unit does. A regression that knows
 //! no model stays within a factor of two or three whatever is missing; it decides, and the fit's interval says how clearly.
 
-use super::{DEGREES, DullCause, Gravity, too_large};
+use super::{DEGREES, DataCheck, Gravity, too_large};
 use crate::diagnosis::describe::in_words;
 use crate::estimate::Estimate;
 use crate::estimate::digits;
@@ -42,45 +42,45 @@ impl<'a> Response<'a> {
     }
 
     /// The sign. Where no section is open loop (`fed_back`), the fitted sign may be that of the controller.
-    pub fn sign(&self, fed_back: bool) -> DullCause {
+    pub fn sign(&self, fed_back: bool) -> DataCheck {
         const CAUSE: &str = "input_sign";
         let (Some(gain), Some(given)) = (&self.fitted, self.given) else {
             let known =
                 self.fitted.as_ref().map_or(String::new(), |g| format!("; the data have {}", in_words(g)));
-            return DullCause::cannot_tell(CAUSE, format!("{NO_MODEL}{known}"));
+            return DataCheck::cannot_tell(CAUSE, format!("{NO_MODEL}{known}"));
         };
         let rough = digits(self.rough);
-        let told =
+        let described =
             format!("the data have {} (a regression: {rough}), the model {}", in_words(gain), digits(given));
         let clear = gain.ci95[0] * gain.ci95[1] > 0.0 && gain.value * self.rough > 0.0;
         if clear && gain.value * given > 0.0 {
-            return DullCause::ruled_out(CAUSE, told);
+            return DataCheck::ruled_out(CAUSE, described);
         }
         if clear && !fed_back {
             let advice = self.option(&[self.column()], -1.0);
-            return DullCause::found(
+            return DataCheck::found(
                 CAUSE,
                 Gravity::Stops,
                 format!(
-                    "the input is reversed against the model, or all of the measured motion is: {told}; read it with {advice}, or turn the model's sign"
+                    "the input is reversed against the model, or all of the measured motion is: {described}; read it with {advice}, or turn the model's sign"
                 ),
             );
         }
-        DullCause::cannot_tell(CAUSE, told)
+        DataCheck::cannot_tell(CAUSE, described)
     }
 
     /// The unit.
-    pub fn unit(&self) -> DullCause {
+    pub fn unit(&self) -> DataCheck {
         const CAUSE: &str = "input_unit";
         let looks_wrong = || {
             let note = self.recordings.iter().find_map(|r| too_large(r, self.column()))?;
-            Some(DullCause::found(CAUSE, Gravity::Headline, note))
+            Some(DataCheck::found(CAUSE, Gravity::Headline, note))
         };
         let (Some(gain), Some(given)) = (&self.fitted, self.given) else {
-            return looks_wrong().unwrap_or_else(|| DullCause::cannot_tell(CAUSE, NO_MODEL));
+            return looks_wrong().unwrap_or_else(|| DataCheck::cannot_tell(CAUSE, NO_MODEL));
         };
         let ratio = (self.rough / given).abs();
-        let told = format!(
+        let described = format!(
             "a regression has ∂M/∂u at {} {}, {} times the model's {}",
             digits(self.rough),
             gain.unit,
@@ -99,14 +99,14 @@ impl<'a> Response<'a> {
         };
         if let Some((what, columns)) = wrong {
             let advice = self.option(&columns, 1.0 / DEGREES);
-            let words = format!("{what} in degrees where radians belong: {told}; read it with {advice}");
-            return DullCause::found(CAUSE, Gravity::Stops, words);
+            let words = format!("{what} in degrees where radians belong: {described}; read it with {advice}");
+            return DataCheck::found(CAUSE, Gravity::Stops, words);
         }
         looks_wrong().unwrap_or_else(|| {
             if ratio.ln().abs() < TOLERABLE {
-                DullCause::ruled_out(CAUSE, told)
+                DataCheck::ruled_out(CAUSE, described)
             } else {
-                DullCause::cannot_tell(CAUSE, format!("{told}, which is no unit's factor"))
+                DataCheck::cannot_tell(CAUSE, format!("{described}, which is no unit's factor"))
             }
         })
     }

@@ -1,4 +1,4 @@
-//! Dull causes first: what makes model and measurement differ without any physics being missing. Each is ruled out or
+//! Checks of the data first: what makes model and measurement differ without any physics being missing. Each is ruled out or
 //! named from the data, or the data cannot tell; none is left unasked.
 //!
 //! | cause | asked of |
@@ -12,16 +12,15 @@
 mod channels;
 mod feedback;
 #[cfg(test)]
-mod fixture;
+pub(super) mod fixture;
 mod input;
 mod motion;
 mod timing;
 
-use super::answer::{Answer, EffectAnswer, Location, Verdict};
-use super::evaluation::estimates;
-use super::selection::Selection;
+use super::answer::{Answer, Location, Verdict};
+use super::estimates::estimates_of;
 use crate::dataset::Dataset;
-use crate::held_out::Split;
+use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Locus;
 use crate::recording::{NoteKind, Recording};
@@ -29,7 +28,7 @@ use feedback::Loops;
 use input::Response;
 use serde::Serialize;
 
-/// Whether a dull cause is there.
+/// Whether a check of the data is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum State {
@@ -41,7 +40,7 @@ pub enum State {
     CannotTell,
 }
 
-/// What a dull cause that was found does to the answer.
+/// What a check of the data that was found does to the answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gravity {
     /// It is told.
@@ -52,9 +51,9 @@ pub enum Gravity {
     Stops,
 }
 
-/// One dull cause, and what the data say of it.
+/// One check of the data, and what the data say of it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct DullCause {
+pub struct DataCheck {
     /// Which one.
     pub cause: &'static str,
     /// Whether it is there.
@@ -66,7 +65,7 @@ pub struct DullCause {
     pub gravity: Gravity,
 }
 
-impl DullCause {
+impl DataCheck {
     /// The data speak against `cause`.
     pub fn ruled_out(cause: &'static str, words: impl Into<String>) -> Self {
         Self { cause, state: State::RuledOut, words: words.into(), gravity: Gravity::Told }
@@ -93,7 +92,7 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const OF_FIT: [&str; 5] = ["input_sign", "input_unit", "delay", "input_hold", "feedback"];
 
 /// What the recordings alone say. `dm_du` is the user's ∂M/∂u, where the model has one.
-pub fn of_recordings(recordings: &[Recording], data: &Dataset, dm_du: Option<f64>) -> Vec<DullCause> {
+pub fn of_recordings(recordings: &[Recording], data: &Dataset, dm_du: Option<f64>) -> Vec<DataCheck> {
     vec![
         channels::clock(recordings),
         channels::saturation(recordings),
@@ -107,37 +106,35 @@ pub fn of_recordings(recordings: &[Recording], data: &Dataset, dm_du: Option<f64
 pub fn of_fit(
     recordings: &[Recording],
     problem: &Problem<'_>,
-    split: &Split,
-    selection: &Selection,
+    fit: &Fit,
     dm_du: Option<f64>,
-) -> Vec<DullCause> {
-    let fit = &selection.extended;
-    let response = Response::new(recordings, problem, estimates(problem, fit), dm_du);
-    let loops = Loops::new(recordings, problem, split, fit);
+) -> Vec<DataCheck> {
+    let response = Response::new(recordings, problem, estimates_of(problem, fit), dm_du);
+    let loops = Loops::new(recordings, problem, fit);
     vec![
         response.sign(!loops.any_open()),
         response.unit(),
-        timing::delay(problem, split, fit),
-        timing::hold(problem, split, fit),
-        loops.told(),
+        timing::delay(problem, fit),
+        timing::hold(problem, fit),
+        loops.check(),
     ]
 }
 
 /// The causes that only a fit can tell, where there is none.
-pub fn without_fit(reason: &str) -> impl Iterator<Item = DullCause> + '_ {
-    OF_FIT.into_iter().map(move |cause| DullCause::cannot_tell(cause, reason))
+pub fn without_fit(reason: &str) -> impl Iterator<Item = DataCheck> + '_ {
+    OF_FIT.into_iter().map(move |cause| DataCheck::cannot_tell(cause, reason))
 }
 
 /// Whether no physics may be named.
-pub fn stop(causes: &[DullCause]) -> bool {
-    causes.iter().any(DullCause::stops)
+pub fn stop(causes: &[DataCheck]) -> bool {
+    causes.iter().any(DataCheck::stops)
 }
 
-/// Writes the causes into an answer: its list, the beginning of its summary, and, where one stops the diagnosis, its
+/// Writes the checks into an answer: its list, the beginning of its summary, and, where one stops the diagnosis, its
 /// verdict.
-pub fn tell(answer: &mut Answer, causes: Vec<DullCause>) {
+pub fn write(answer: &mut Answer, checks: Vec<DataCheck>) {
     let of = |gravity: Gravity| -> Vec<&str> {
-        let found = causes.iter().filter(|c| c.state == State::Found && c.gravity == gravity);
+        let found = checks.iter().filter(|c| c.state == State::Found && c.gravity == gravity);
         found.map(|c| c.words.as_str()).collect()
     };
     let (stops, headlines) = (of(Gravity::Stops), of(Gravity::Headline));
@@ -147,14 +144,13 @@ pub fn tell(answer: &mut Answer, causes: Vec<DullCause>) {
             answer.summary = format!("{} {}", sentence(&foremost), answer.summary);
         }
     } else {
-        answer.verdict = Verdict::Unlisted;
+        answer.verdict = Verdict::CheckData;
         answer.summary = format!(
             "{} No physics is named before that is put right: what is missing beside it would be mistaken for something else.",
             sentence(&foremost)
         );
-        answer.effects = vec![EffectAnswer::undescribed(locus(&causes), stops.join("; "))];
     }
-    answer.dull_causes = causes;
+    answer.data_checks = checks;
 }
 
 /// Parts as one sentence; the name of a column keeps its small letter.
@@ -170,13 +166,13 @@ fn sentence(parts: &[&str]) -> String {
     }
 }
 
-fn locus(causes: &[DullCause]) -> Locus {
+fn locus(causes: &[DataCheck]) -> Locus {
     let of_input = causes.iter().any(|c| c.stops() && c.cause.starts_with("input"));
     if of_input { Locus::Actuator } else { Locus::Sensor }
 }
 
-/// Where a dull cause that stops the diagnosis sits: everywhere in the data.
-pub fn everywhere(causes: &[DullCause], data: &Dataset) -> Location {
+/// Where a check of the data that stops the diagnosis sits: everywhere in the data.
+pub fn everywhere(causes: &[DataCheck], data: &Dataset) -> Location {
     let end = data.runs.iter().map(|run| run.time(run.len().saturating_sub(1)));
     let step = data.runs.first().map_or(0.02, |run| run.step);
     let locus = locus(causes);
@@ -204,11 +200,11 @@ fn too_large<'r>(recording: &'r Recording, target: &str) -> Option<&'r str> {
 }
 
 /// Texts of several recordings as one, each with its file's name where there are several.
-fn joined(recordings: &[Recording], told: impl Fn(&Recording) -> Option<String>) -> Option<String> {
+fn joined(recordings: &[Recording], described: impl Fn(&Recording) -> Option<String>) -> Option<String> {
     let all: Vec<String> = recordings
         .iter()
         .filter_map(|recording| {
-            let words = told(recording)?;
+            let words = described(recording)?;
             Some(if recordings.len() > 1 { format!("{}: {words}", recording.name) } else { words })
         })
         .collect();

@@ -1,6 +1,6 @@
 //! Do rate and angle tell of one motion? Δθ against ∫q dt: the sign and the unit of the one against the other.
 
-use super::{DEGREES, DullCause, Gravity, joined, too_large};
+use super::{DEGREES, DataCheck, Gravity, joined, too_large};
 use crate::dataset::Dataset;
 use crate::estimate::digits;
 use crate::model::baseline::rough_gain;
@@ -52,7 +52,7 @@ fn noise(values: &[f64]) -> f64 {
 
 /// The sign of the rate against the angle's, and whether the two belong together. Which of the two is reversed is told
 /// by the sign of the response to the input, where the model has one (`dm_du`).
-pub fn sign(recordings: &[Recording], data: &Dataset, dm_du: Option<f64>) -> DullCause {
+pub fn sign(recordings: &[Recording], data: &Dataset, dm_du: Option<f64>) -> DataCheck {
     const CAUSE: &str = "rate_sign";
     let wrong = |recording: &Recording| {
         let compared = compare(recording)?;
@@ -69,21 +69,21 @@ pub fn sign(recordings: &[Recording], data: &Dataset, dm_du: Option<f64>) -> Dul
         })
     };
     if let Some(words) = joined(recordings, wrong) {
-        return DullCause::found(CAUSE, Gravity::Stops, words);
+        return DataCheck::found(CAUSE, Gravity::Stops, words);
     }
     let compared: Vec<Compared> = recordings.iter().filter_map(compare).collect();
     let Some(weakest) = compared.iter().min_by(|a, b| a.found.correlation.total_cmp(&b.found.correlation))
     else {
-        return DullCause::cannot_tell(CAUSE, ALONE);
+        return DataCheck::cannot_tell(CAUSE, ALONE);
     };
-    let told = format!(
+    let described = format!(
         "the angle's change follows the rate's integral over {} s with a correlation of {:.2}",
         weakest.over, weakest.found.correlation
     );
     if weakest.found.correlation > CORRELATED {
-        DullCause::ruled_out(CAUSE, told)
+        DataCheck::ruled_out(CAUSE, described)
     } else {
-        DullCause::cannot_tell(CAUSE, format!("{told} only: too much noise, or too little motion"))
+        DataCheck::cannot_tell(CAUSE, format!("{described} only: too much noise, or too little motion"))
     }
 }
 
@@ -111,7 +111,7 @@ fn reversed(recording: &Recording, compared: &Compared, data: &Dataset, dm_du: O
 }
 
 /// The unit of the rate against the angle's.
-pub fn unit(recordings: &[Recording]) -> DullCause {
+pub fn unit(recordings: &[Recording]) -> DataCheck {
     const CAUSE: &str = "rate_unit";
     let clear = |recording: &Recording| compare(recording).filter(|c| c.found.correlation.abs() > CORRELATED);
     let wrong = |recording: &Recording| {
@@ -129,28 +129,28 @@ pub fn unit(recordings: &[Recording]) -> DullCause {
         ))
     };
     if let Some(words) = joined(recordings, wrong) {
-        return DullCause::found(CAUSE, Gravity::Stops, words);
+        return DataCheck::found(CAUSE, Gravity::Stops, words);
     }
     let large =
         |r: &Recording| too_large(r, "q_rad_s").or_else(|| too_large(r, "theta_rad")).map(str::to_owned);
     if let Some(words) = joined(recordings, large) {
-        return DullCause::found(CAUSE, Gravity::Headline, words);
+        return DataCheck::found(CAUSE, Gravity::Headline, words);
     }
     if recordings.iter().all(|recording| recording.q.is_none() || recording.theta.is_none()) {
-        return DullCause::cannot_tell(CAUSE, ALONE);
+        return DataCheck::cannot_tell(CAUSE, ALONE);
     }
     let slopes: Vec<f64> = recordings.iter().filter_map(|r| Some(clear(r)?.found.slope())).collect();
     let farthest = slopes.iter().copied().max_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
     match farthest {
-        None => DullCause::cannot_tell(CAUSE, "angle and rate are not related closely enough"),
-        Some(slope) if slope.ln().abs() < GAIN_ERROR => DullCause::ruled_out(
+        None => DataCheck::cannot_tell(CAUSE, "angle and rate are not related closely enough"),
+        Some(slope) if slope.ln().abs() < GAIN_ERROR => DataCheck::ruled_out(
             CAUSE,
             format!(
                 "the angle changes by {} times the rate's integral (57.3 or 0.0175 would be a unit)",
                 digits(slope)
             ),
         ),
-        Some(slope) => DullCause::cannot_tell(
+        Some(slope) => DataCheck::cannot_tell(
             CAUSE,
             format!(
                 "the angle changes by {} times the rate's integral, which is no unit's factor",

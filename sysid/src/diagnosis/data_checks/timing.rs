@@ -3,12 +3,11 @@
 //! A held input is half a sample late against an interpolated one; with the delay free, the two differ by the shape of
 //! the response within a sample alone, and often the data do not tell them apart.
 
-use super::{DullCause, Gravity};
+use super::{DataCheck, Gravity};
 use crate::dataset::Dataset;
 use crate::diagnosis::describe::in_words;
-use crate::diagnosis::evaluation::estimates;
+use crate::diagnosis::estimates::estimates_of;
 use crate::estimate::digits;
-use crate::held_out::Split;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
@@ -29,22 +28,22 @@ const EXTRA: &str = "extra_delay";
 
 /// The delay: the model's against the data's. What other physics explains of a lag is left to it: the delay is asked
 /// beside the effects that were found.
-pub fn delay(problem: &Problem<'_>, split: &Split, fit: &Fit) -> DullCause {
+pub fn delay(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
     let samples = |s: f64| format!("{:.2} samples", s / problem.sizes.step);
     let model = problem.baseline.plant.delay;
     if problem.baseline.delay_free {
-        let found = estimates(problem, fit).into_iter().find(|e| e.name == DELAY);
+        let found = estimates_of(problem, fit).into_iter().find(|e| e.name == DELAY);
         return match found {
-            Some(found) => DullCause::ruled_out(
+            Some(found) => DataCheck::ruled_out(
                 DELAY,
                 format!("no model fixes it: estimated, {} ({})", in_words(&found), samples(found.value)),
             ),
-            None => DullCause::cannot_tell(DELAY, "it could not be estimated"),
+            None => DataCheck::cannot_tell(DELAY, "it could not be estimated"),
         };
     }
     if let Some(own) = fit.range_of(problem, EXTRA) {
         let extra = fit.minimum.values[own.start];
-        return DullCause::found(
+        return DataCheck::found(
             DELAY,
             Gravity::Told,
             format!(
@@ -57,15 +56,15 @@ pub fn delay(problem: &Problem<'_>, split: &Split, fit: &Fit) -> DullCause {
         );
     }
     let baseline = Baseline { delay_free: true, ..problem.baseline.clone() };
-    let free = Problem::new(problem.data, &baseline, &split.held_out);
+    let free = Problem::new(problem.data, &baseline, &[]);
     let Some(found) = with_delay(&free, fit, model) else {
-        return DullCause::cannot_tell(DELAY, "no finite likelihood with another delay");
+        return DataCheck::cannot_tell(DELAY, "no finite likelihood with another delay");
     };
-    let Some(wanted) = estimates(&free, &found).into_iter().find(|e| e.name == DELAY) else {
-        return DullCause::cannot_tell(DELAY, "it could not be estimated");
+    let Some(wanted) = estimates_of(&free, &found).into_iter().find(|e| e.name == DELAY) else {
+        return DataCheck::cannot_tell(DELAY, "it could not be estimated");
     };
     let error = (wanted.ci95[1] - wanted.ci95[0]) / 3.92;
-    let told = format!(
+    let described = format!(
         "the data want {} ({}), the model has {} s ({})",
         in_words(&wanted),
         samples(wanted.value),
@@ -74,11 +73,11 @@ pub fn delay(problem: &Problem<'_>, split: &Split, fit: &Fit) -> DullCause {
     );
     let (off, negligible) = ((wanted.value - model).abs(), NEGLIGIBLE * problem.sizes.step);
     if off < negligible && error < negligible {
-        DullCause::ruled_out(DELAY, told)
+        DataCheck::ruled_out(DELAY, described)
     } else if off > negligible && off > CLEAR * error {
-        DullCause::found(DELAY, Gravity::Told, told)
+        DataCheck::found(DELAY, Gravity::Told, described)
     } else {
-        DullCause::cannot_tell(DELAY, told)
+        DataCheck::cannot_tell(DELAY, described)
     }
 }
 
@@ -92,11 +91,11 @@ fn with_delay(free: &Problem<'_>, fit: &Fit, start: f64) -> Option<Fit> {
 }
 
 /// Whether the input is held or straight between samples.
-pub fn hold(problem: &Problem<'_>, split: &Split, fit: &Fit) -> DullCause {
+pub fn hold(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
     const CAUSE: &str = "input_hold";
     let data = problem.data;
     if data.thinned > 1 {
-        return DullCause::cannot_tell(
+        return DataCheck::cannot_tell(
             CAUSE,
             format!(
                 "{} samples were averaged into one: what the input does between samples is not seen",
@@ -107,27 +106,27 @@ pub fn hold(problem: &Problem<'_>, split: &Split, fit: &Fit) -> DullCause {
     let held = data.runs.iter().all(|run| run.held);
     let share = repeated(problem);
     if share > STEPS {
-        let told =
+        let described =
             format!("the input keeps its value in {:.0} % of the samples: a command in steps", 100.0 * share);
         return if held {
-            DullCause::ruled_out(CAUSE, told)
+            DataCheck::ruled_out(CAUSE, described)
         } else {
-            let words = format!("{told}, read as interpolated; leave out --input interpolated");
-            DullCause::found(CAUSE, Gravity::Told, words)
+            let words = format!("{described}, read as interpolated; leave out --input interpolated");
+            DataCheck::found(CAUSE, Gravity::Told, words)
         };
     }
-    let Some(gain) = gain_by_other_hold(problem, split, fit, held) else {
-        return DullCause::cannot_tell(CAUSE, "no finite likelihood with the other way");
+    let Some(gain) = gain_by_other_hold(problem, fit, held) else {
+        return DataCheck::cannot_tell(CAUSE, "no finite likelihood with the other way");
     };
     let (now, other) = if held { ("held", "interpolated") } else { ("interpolated", "held") };
-    let told =
+    let described =
         format!("2 ln likelihood of {other} against {now} between samples, the delay free: {gain:+.1}");
     if gain < -PREFERRED {
-        DullCause::ruled_out(CAUSE, told)
+        DataCheck::ruled_out(CAUSE, described)
     } else if gain > PREFERRED {
-        DullCause::found(CAUSE, Gravity::Told, format!("{told}; read it with --input {other}"))
+        DataCheck::found(CAUSE, Gravity::Told, format!("{described}; read it with --input {other}"))
     } else {
-        DullCause::cannot_tell(CAUSE, format!("{told} (half a sample of delay is all they differ by)"))
+        DataCheck::cannot_tell(CAUSE, format!("{described} (half a sample of delay is all they differ by)"))
     }
 }
 
@@ -144,7 +143,7 @@ fn repeated(problem: &Problem<'_>) -> f64 {
 }
 
 /// What 2 ln likelihood gains when the input is taken the other way between samples.
-fn gain_by_other_hold(problem: &Problem<'_>, split: &Split, fit: &Fit, held: bool) -> Option<f64> {
+fn gain_by_other_hold(problem: &Problem<'_>, fit: &Fit, held: bool) -> Option<f64> {
     let mut turned: Dataset = problem.data.clone();
     for run in &mut turned.runs {
         run.held = !held;
@@ -158,7 +157,7 @@ fn gain_by_other_hold(problem: &Problem<'_>, split: &Split, fit: &Fit, held: boo
     };
     let later = if held { 0.5 } else { -0.5 } * problem.sizes.step;
     let criterion = |data: &Dataset, delay: f64| {
-        let free = Problem::new(data, &baseline, &split.held_out);
+        let free = Problem::new(data, &baseline, &[]);
         Some(with_delay(&free, &fixed, delay)?.criterion())
     };
     let (now, other) =

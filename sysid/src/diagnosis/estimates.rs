@@ -1,0 +1,31 @@
+//! The unknowns of a fit with their 95 % intervals.
+
+use super::change_point;
+use crate::estimate::Estimate;
+use crate::likelihood::evidence::Information;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::problem::Problem;
+
+/// All unknowns of `fit`, in their order; the intervals from the blocks' scores where these are more uneven than the
+/// information says.
+pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Information>) -> Vec<Estimate> {
+    let coordinates = problem.coordinates(&fit.effects);
+    let values = &fit.minimum.values;
+    let unknown = vec![f64::INFINITY; values.len()];
+    let deviations = information.map_or(unknown, |information| information.deviations(values));
+    let with_deviation = coordinates.iter().zip(values).zip(deviations);
+    let mut all: Vec<Estimate> = with_deviation
+        .map(|((c, &value), deviation)| Estimate::new(&c.name, &c.unit, value, deviation, c.bounds))
+        .collect();
+    for (i, effect) in fit.effects.iter().enumerate() {
+        if let (Some(own), Some(ci95)) = (effect.begins_at(), change_point::interval(problem, fit, i)) {
+            all[fit.own_range(problem, i).start + own].ci95 = ci95;
+        }
+    }
+    all
+}
+
+/// The same for a fit of which nothing else is known.
+pub fn estimates_of(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
+    estimates(problem, fit, Information::new(problem, fit, &[]).as_ref())
+}

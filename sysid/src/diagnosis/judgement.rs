@@ -1,0 +1,83 @@
+//! What is made of a selection: which model is the answer's, what it leaves, how it does on held-out data, the verdict.
+
+use super::adequacy::{Test, failing, tests};
+use super::answer::Verdict;
+use super::gust::{Gust, gust};
+use super::levels::{ADEQUACY, MATERIAL};
+use super::posterior::{Finding, Selection};
+use super::rotation::{Rotation, rotate};
+use super::verdict::Grounds;
+use crate::held_out::Part;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::problem::Problem;
+
+/// Everything that the answer is built from.
+pub struct Judgement<'p, 'd> {
+    /// The data and the baseline.
+    pub problem: &'p Problem<'d>,
+    /// The parts that were held out in turn.
+    pub parts: &'p [Part],
+    /// All models.
+    pub selection: Selection,
+    /// The model of the answer.
+    pub place: usize,
+    /// Its named terms, largest share first.
+    pub named: Vec<Finding>,
+    /// Its terms without a name.
+    pub shapes: Vec<Finding>,
+    /// A disturbance that is more than background.
+    pub gust: Option<Gust>,
+    /// Tests that it fails, least p-value first.
+    pub failed: Vec<Test>,
+    /// Each part held out once; gains in the order of `named`, then `shapes`.
+    pub rotation: Rotation,
+    /// What the verdict was made of.
+    pub grounds: Grounds,
+    /// The verdict.
+    pub verdict: Verdict,
+}
+
+impl<'p, 'd> Judgement<'p, 'd> {
+    /// Judges a selection.
+    pub fn new(problem: &'p Problem<'d>, parts: &'p [Part], selection: Selection) -> Self {
+        let gain = |place: usize| selection.gain(problem, place);
+        let gained_by_names = gain(selection.named);
+        let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
+        // Names that close little give way to what closes more.
+        let place =
+            if gained_by_names < MATERIAL * gained_by_all { selection.fullest } else { selection.extended };
+        let (named, shapes): (Vec<Finding>, Vec<Finding>) =
+            selection.findings(problem, place).into_iter().partition(|finding| finding.named);
+        let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
+        let fit = &selection.visited[place].fit;
+        let all = tests(problem, fit, &sections);
+        let failed: Vec<Test> = failing(&all, ADEQUACY).into_iter().cloned().collect();
+        let closes = failed.iter().filter(|test| test.of_physics).map(|test| test.closes);
+        let untold = 0.5 * closes.fold(0.0, f64::max);
+        let gust = gust(problem, fit);
+        let grounds = Grounds {
+            data_first: false,
+            not_excited: false,
+            named: named.len() + usize::from(gust.is_some()),
+            shapes: shapes.len(),
+            rivals: named.iter().any(|finding| !finding.rivals.is_empty()),
+            gained_by_names,
+            gained_by_all,
+            untold,
+        };
+        let findings = [&named[..], &shapes].concat();
+        let rotation = rotate(problem, &selection, place, &findings, parts);
+        let verdict = grounds.verdict();
+        Self { problem, parts, selection, place, named, shapes, gust, failed, rotation, grounds, verdict }
+    }
+
+    /// The baseline's fit.
+    pub fn baseline(&self) -> &Fit {
+        &self.selection.visited[self.selection.baseline].fit
+    }
+
+    /// The answer's fit.
+    pub fn extended(&self) -> &Fit {
+        &self.selection.visited[self.place].fit
+    }
+}

@@ -1,0 +1,25 @@
+//! The levels at which the diagnosis decides: each a probability, a share, or a length with its source. Settings of the
+//! searches stand with the searches.
+
+/// A rival at least this probable is told, and a name with such a rival is not the only one (contract of the answer).
+pub const PLAUSIBLE: f64 = 0.05;
+/// Level of the family of tests for what is left, after Holm's correction.
+pub const ADEQUACY: f64 = 0.01;
+/// Share of what the fullest model closes that named terms must close to be the answer; what is beside them is a remainder.
+pub const MATERIAL: f64 = 0.8;
+/// Prior probability that a further term is missing: half for nothing.
+pub const FURTHER_TERM: f64 = 0.5;
+/// Prior share of the named terms among those that may be missing: two to one against the shapes without a name.
+pub const NAMED: f64 = 2.0 / 3.0;
+/// Most terms that one diagnosis adds: the room for their states; the evidence ends the search before.
+pub const MOST_TERMS: usize = 5;
+/// Odds of a false alarm of one check of the data (one in 1,000 recordings).
+pub const DATA_CHECK: f64 = 1e-3;
+/// Shortest data on which physics is asked for, s: a handful of switches of the slowest campaign.
+pub const SHORTEST_S: f64 = 4.0;
+/// Widest 95 % interval of ∂M/∂u, relative, half width, with which the input still counts as seen.
+pub const WIDEST_GAIN_INTERVAL: f64 = 0.5;
+/// Parts into which data without sections are cut for the rotation: as many as a whole test has sections.
+pub const PARTS: usize = 4;
+/// Horizons of the predictions that a model is judged by, s.
+pub const HORIZONS_S: [f64; 3] = [0.1, 0.3, 1.0];

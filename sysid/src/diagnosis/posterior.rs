@@ -1,0 +1,219 @@
+//! The models that the search has visited, and what all of them together say of each term.
+//!
+//! ```text
+//! P(term) = Σ_{M with the term} P(M | data) / Σ_M P(M | data)
+//! ```
+
+use super::levels::PLAUSIBLE;
+use super::locate::indistinct;
+use crate::catalogue::shapes::SHAPES;
+use crate::likelihood::evidence::Information;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::problem::Problem;
+use crate::model::effect::Effect;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// A model that was fitted, with what the data say of its parameters.
+pub struct Visited {
+    /// The fit.
+    pub fit: Fit,
+    /// Information and scores there.
+    pub information: Information,
+    /// ln of the prior odds of its terms.
+    pub log_prior: f64,
+}
+
+/// One term of the model, with what speaks for it.
+#[derive(Clone)]
+pub struct Finding {
+    /// The effect.
+    pub effect: &'static dyn Effect,
+    /// Whether it has a name.
+    pub named: bool,
+    /// Posterior probability that it is in the model.
+    pub probability: f64,
+    /// Named candidates in its place that the data cannot rule out: effect, probability, and the model with it.
+    pub rivals: Vec<(&'static dyn Effect, f64, usize)>,
+    /// Gain of the log posterior by the term: with it against without it.
+    pub log_evidence: f64,
+    /// Odds of so large a gain in likelihood by chance (χ², the likelihood ratio divided by κ).
+    pub p_value: f64,
+    /// Share of what the fullest model gains over the baseline that is lost without the term.
+    pub share: f64,
+    /// The model without it.
+    pub without: Option<usize>,
+}
+
+/// All models that were visited, and which of them are the answer's.
+pub struct Selection {
+    /// The models.
+    pub visited: Vec<Visited>,
+    /// The baseline, its parameters estimated again.
+    pub baseline: usize,
+    /// With the named terms that are needed.
+    pub named: usize,
+    /// The same with shapes beside them.
+    pub extended: usize,
+    /// The most probable of all.
+    pub fullest: usize,
+}
+
+impl Visited {
+    /// Places of the unknowns of all terms but those of the background.
+    fn own(&self, problem: &Problem<'_>) -> Vec<usize> {
+        let effects = &self.fit.effects;
+        let physics = (0..effects.len()).filter(|&i| !effects[i].is_background());
+        physics.flat_map(|i| self.fit.own_range(problem, i)).collect()
+    }
+
+    /// κ of all its terms.
+    pub fn divisor(&self, problem: &Problem<'_>) -> f64 {
+        self.information.divisor(self.own(problem).into_iter())
+    }
+
+    /// κ of the terms that `other` has not.
+    pub fn divisor_beyond(&self, problem: &Problem<'_>, other: &Fit) -> f64 {
+        let effects = &self.fit.effects;
+        let further = (0..effects.len()).filter(|&i| other.position(effects[i].about().id).is_none());
+        self.information.divisor(further.flat_map(|i| self.fit.own_range(problem, i)))
+    }
+
+    /// Log posterior up to a constant, likelihoods calibrated by `divisor`.
+    pub fn log_posterior(&self, problem: &Problem<'_>, divisor: f64) -> f64 {
+        self.log_posterior_with(problem, self.fit.criterion(), divisor)
+    }
+
+    /// The same with another criterion (that of a part of the data).
+    pub fn log_posterior_with(&self, problem: &Problem<'_>, criterion: f64, divisor: f64) -> f64 {
+        let named = self.fit.effects.iter().enumerate().filter(|(_, e)| !e.is_background() && !is_shape(**e));
+        let own_of_named = named.flat_map(|(i, _)| self.fit.own_range(problem, i));
+        if self.information.holds_zero(own_of_named, &self.fit.minimum.values) {
+            return f64::NEG_INFINITY;
+        }
+        let of_terms = self.information.occam(self.own(problem).into_iter(), divisor);
+        let background = (0..self.fit.effects.len()).filter(|&i| self.fit.effects[i].is_background());
+        // A pole of the background that has gone to its bound is none.
+        let of_background =
+            self.information.occam(background.flat_map(|i| self.fit.own_range(problem, i)), divisor);
+        let occam = of_terms.unwrap_or(f64::NEG_INFINITY) + of_background.unwrap_or(0.0);
+        -0.5 * criterion / divisor + occam + self.log_prior
+    }
+}
+
+impl Selection {
+    /// The terms of the model at `place`, the background's left out, largest share first.
+    pub fn findings(&self, problem: &Problem<'_>, place: usize) -> Vec<Finding> {
+        let model = &self.visited[place];
+        let effects = model.fit.effects.iter().enumerate().filter(|(_, e)| !e.is_background());
+        let mut findings: Vec<Finding> = effects.map(|(i, &e)| self.finding(problem, place, i, e)).collect();
+        findings.sort_by(|a, b| b.log_evidence.total_cmp(&a.log_evidence));
+        findings
+    }
+
+    /// What the model at `place` gains over the baseline, calibrated by the terms of the fullest model.
+    pub fn gain(&self, problem: &Problem<'_>, place: usize) -> f64 {
+        let divisor = self.visited[self.fullest].divisor(problem);
+        let value = |i: usize| self.visited[i].log_posterior(problem, divisor);
+        (value(place) - value(self.baseline)).max(0.0)
+    }
+
+    fn finding(&self, problem: &Problem<'_>, place: usize, i: usize, effect: &'static dyn Effect) -> Finding {
+        let model = &self.visited[place];
+        let own = model.fit.own_range(problem, i);
+        let divisor = model.information.divisor(own.clone());
+        let has = |v: &Visited| v.fit.position(effect.about().id).is_some();
+        // What shapes stand beside it is given: a shape that holds the term as its special case does not speak against it.
+        let shapes = |v: &Visited| -> Vec<&str> {
+            let mut ids: Vec<&str> =
+                v.fit.effects.iter().filter(|e| is_shape(**e)).map(|e| e.about().id).collect();
+            ids.sort_unstable();
+            ids
+        };
+        let beside = if is_shape(effect) { None } else { Some(shapes(model)) };
+        let counts = |v: &&Visited| beside.as_ref().is_none_or(|beside| shapes(v) == *beside);
+        let value = |v: &Visited| v.log_posterior(problem, divisor);
+        let top = self.visited.iter().filter(counts).map(value).fold(f64::NEG_INFINITY, f64::max);
+        let weight = |v: &Visited| if counts(&v) { (value(v) - top).exp() } else { 0.0 };
+        let total: f64 = self.visited.iter().map(weight).sum();
+        let probability = self.visited.iter().filter(|v| has(v)).map(weight).sum::<f64>() / total;
+        let is_rest = |v: &Visited| {
+            v.fit.effects.len() + 1 == model.fit.effects.len()
+                && v.fit
+                    .effects
+                    .iter()
+                    .all(|e| e.about().id != effect.about().id && model.fit.position(e.about().id).is_some())
+        };
+        let without = self.visited.iter().position(is_rest);
+        let gain = without.map_or(f64::INFINITY, |w| value(model) - value(&self.visited[w]));
+        let ratio = without.map_or(0.0, |w| self.visited[w].fit.criterion() - model.fit.criterion());
+        let whole = self.gain(problem, self.fullest);
+        Finding {
+            effect,
+            named: !is_shape(effect),
+            probability,
+            rivals: self.rivals(problem, model, effect, |v| weight(v) / total),
+            log_evidence: gain,
+            p_value: chance(ratio / divisor, own.len()),
+            share: if whole > 0.0 { (gain / whole).clamp(0.0, 1.0) } else { 0.0 },
+            without,
+        }
+    }
+
+    /// Named candidates that stand in the place of `effect` in models as probable as [`PLAUSIBLE`].
+    fn rivals(
+        &self,
+        problem: &Problem<'_>,
+        model: &Visited,
+        effect: &'static dyn Effect,
+        probability: impl Fn(&Visited) -> f64,
+    ) -> Vec<(&'static dyn Effect, f64, usize)> {
+        let mut rivals: Vec<(&'static dyn Effect, f64, usize)> = Vec::new();
+        for (i, other) in
+            self.visited.iter().enumerate().filter(|(_, v)| v.fit.position(effect.about().id).is_none())
+        {
+            let mut further = other.fit.effects.iter().filter(|e| model.fit.position(e.about().id).is_none());
+            let (Some(&rival), None) = (further.next(), further.next()) else { continue };
+            let same_class = effect.class().is_some_and(|class| rival.class() == Some(class));
+            let mut p = probability(other);
+            if same_class && other.fit.effects.len() == model.fit.effects.len() {
+                p = p.max(indistinct(problem, &model.fit, &other.fit));
+            }
+            match rivals.iter_mut().find(|(known, ..)| known.about().id == rival.about().id) {
+                Some(known) if known.1 >= p => {}
+                Some(known) => *known = (rival, p, i),
+                None => rivals.push((rival, p, i)),
+            }
+        }
+        rivals.retain(|(rival, p, _)| *p >= PLAUSIBLE && !rival.is_background() && !is_shape(*rival));
+        rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
+        rivals
+    }
+}
+
+/// Whether an effect is a shape without a name.
+pub fn is_shape(effect: &dyn Effect) -> bool {
+    SHAPES.iter().any(|shape| shape.about().id == effect.about().id)
+}
+
+/// Odds of a gain of 2 log likelihood of `gain` or more by chance, with `parameters` more (likelihood ratio, χ²).
+pub fn chance(gain: f64, parameters: usize) -> f64 {
+    ChiSquared::new(parameters as f64).map_or(1.0, |chi| chi.sf(gain.max(0.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chance_is_that_of_chi_squared() {
+        assert!((chance(3.841_459, 1) - 0.05).abs() < 1e-6);
+        assert!((chance(9.487_729, 4) - 0.05).abs() < 1e-6);
+        assert_eq!(chance(-1.0, 1), 1.0);
+    }
+
+    #[test]
+    fn shapes_have_no_name_and_the_catalogue_has() {
+        assert!(SHAPES.iter().all(|&shape| is_shape(shape)));
+        assert!(crate::catalogue::CATALOGUE.iter().all(|&effect| !is_shape(effect)));
+    }
+}

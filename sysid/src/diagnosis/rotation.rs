@@ -1,0 +1,237 @@
+//! Every part of the data is held out once: its figures come from models that were selected and fitted without it.
+//!
+//! Among the models already visited, each fitted again without the part by one Gauss–Newton step, the most probable on the
+//! rest is the one that is judged on the part (Stone, J. R. Stat. Soc. B 36, 1974). A term is as certain as the rotations
+//! that choose it (Meinshausen and Bühlmann, J. R. Stat. Soc. B 72, 2010).
+
+use super::levels::HORIZONS_S;
+use super::posterior::{Finding, Selection};
+use crate::dataset::Place;
+use crate::held_out::Part;
+use crate::likelihood::evidence::BLOCK_S;
+use crate::likelihood::fit::weights;
+use crate::likelihood::free_run::{judged, judged_channel, simulate, starting_points};
+use crate::likelihood::horizon::horizon_vaf;
+use crate::likelihood::problem::Problem;
+use crate::model::effect::Effect;
+use crate::model::pitch::Output;
+use crate::validate::vaf::variance;
+use rayon::prelude::*;
+
+/// Models whose log posterior lies further below the answer's are not chosen by any rotation.
+const WITHIN: f64 = 25.0;
+
+/// VAF of one model on one part, per cent.
+#[derive(Clone, Debug, Default)]
+pub struct Scores {
+    /// Of the free run.
+    pub free_run: f64,
+    /// By horizon of [`HORIZONS_S`], with standard errors.
+    pub horizons: Vec<(f64, f64)>,
+}
+
+/// One rotation.
+pub struct HeldOut {
+    /// Part that was held out.
+    pub label: String,
+    /// The baseline, fitted without it.
+    pub baseline: Scores,
+    /// The model that was selected and fitted without it.
+    pub extended: Scores,
+    /// Ids of the terms that were chosen without it.
+    pub chosen: Vec<&'static str>,
+    /// Where it is.
+    pub places: Vec<Place>,
+    /// Values of the baseline's unknowns without it.
+    pub baseline_values: Vec<f64>,
+    /// Effects and values of the model that was selected and fitted without it.
+    pub model: (Vec<&'static dyn Effect>, Vec<f64>),
+}
+
+/// What a term gains on held-out data: the model with it against the model without it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TermGain {
+    /// 2 ln likelihood of the one-step prediction, and its standard error over blocks.
+    pub log_likelihood: (f64, f64),
+    /// Free-run VAF, points, mean over the parts, and its standard error over them.
+    pub vaf_points: (f64, f64),
+    /// Rotations that chose it.
+    pub chosen: usize,
+}
+
+/// All rotations.
+pub struct Rotation {
+    /// Part by part.
+    pub parts: Vec<HeldOut>,
+    /// For each finding.
+    pub gains: Vec<TermGain>,
+}
+
+/// A model fitted without one part.
+struct Turned {
+    values: Vec<f64>,
+    /// Innovations of all rows, run by run.
+    innovations: Vec<Vec<Output>>,
+    log_posterior: f64,
+}
+
+/// Holds each of `parts` out once; `findings` are the terms of the model `place`.
+pub fn rotate(
+    problem: &Problem<'_>,
+    selection: &Selection,
+    place: usize,
+    findings: &[Finding],
+    parts: &[Part],
+) -> Rotation {
+    let divisor = selection.visited[place].divisor(problem);
+    let value = |i: usize| selection.visited[i].log_posterior(problem, divisor);
+    let near = |i: &usize| {
+        let asked = *i == place || *i == selection.baseline || findings.iter().any(|f| f.without == Some(*i));
+        asked || value(*i) > value(place) - WITHIN
+    };
+    let models: Vec<usize> = (0..selection.visited.len()).filter(near).collect();
+    let at = |i: usize| models.iter().position(|&m| m == i);
+    let mut rotations = Vec::new();
+    let mut gains: Vec<Vec<(Vec<f64>, f64, bool)>> = vec![Vec::new(); findings.len()];
+    for (index, part) in parts.iter().enumerate() {
+        let turned: Vec<Option<Turned>> =
+            models.par_iter().map(|&m| turn(problem, selection, m, index, &part.places, divisor)).collect();
+        let Some(Some(baseline)) = at(selection.baseline).map(|i| turned[i].as_ref()) else { continue };
+        let probable = |i: &usize| turned[*i].as_ref().map_or(f64::NEG_INFINITY, |t| t.log_posterior);
+        let Some(best) = (0..models.len()).max_by(|a, b| probable(a).total_cmp(&probable(b))) else {
+            continue;
+        };
+        let Some(chosen) = turned[best].as_ref() else { continue };
+        let effects = |m: usize| &selection.visited[m].fit.effects[..];
+        let scores = |m: usize, t: &Turned| scores(problem, effects(m), &t.values, &part.places);
+        let ids: Vec<&str> =
+            effects(models[best]).iter().filter(|e| !e.is_background()).map(|e| e.about().id).collect();
+        for (finding, gains) in findings.iter().zip(&mut gains) {
+            let pair = at(place).zip(finding.without.and_then(at));
+            let Some((Some(with), Some(less))) = pair.map(|(a, b)| (turned[a].as_ref(), turned[b].as_ref()))
+            else {
+                continue;
+            };
+            let blocks = gains_by_block(problem, &part.places, &less.innovations, &with.innovations);
+            let free = |m: usize, t: &Turned| free_run(problem, effects(m), &t.values, &part.places);
+            let points = free(place, with) - free(finding.without.unwrap_or(place), less);
+            gains.push((blocks, points, ids.contains(&finding.effect.about().id)));
+        }
+        rotations.push(HeldOut {
+            label: part.label.clone(),
+            baseline: scores(selection.baseline, baseline),
+            extended: scores(models[best], chosen),
+            chosen: ids,
+            places: part.places.clone(),
+            baseline_values: baseline.values.clone(),
+            model: (effects(models[best]).to_vec(), chosen.values.clone()),
+        });
+    }
+    Rotation { parts: rotations, gains: gains.iter().map(|turns| term_gain(turns)).collect() }
+}
+
+fn term_gain(turns: &[(Vec<f64>, f64, bool)]) -> TermGain {
+    let error = |values: &[f64]| {
+        let n = values.len().max(2) as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
+    };
+    let blocks: Vec<f64> = turns.iter().flat_map(|t| t.0.iter().copied()).collect();
+    let points: Vec<f64> = turns.iter().map(|t| t.1).collect();
+    let n = points.len().max(1) as f64;
+    TermGain {
+        log_likelihood: (blocks.iter().sum(), error(&blocks) * (blocks.len() as f64).sqrt()),
+        vaf_points: (points.iter().sum::<f64>() / n, error(&points) / n.sqrt()),
+        chosen: turns.iter().filter(|t| t.2).count(),
+    }
+}
+
+/// The model `m` fitted without part `index`, which lies at `places`.
+fn turn(
+    problem: &Problem<'_>,
+    selection: &Selection,
+    m: usize,
+    index: usize,
+    places: &[Place],
+    divisor: f64,
+) -> Option<Turned> {
+    let visited = &selection.visited[m];
+    let mut values = visited.information.without(index, &visited.fit.minimum.values);
+    let run = |values: &[f64]| {
+        let mut all = vec![Vec::new(); problem.data.runs.len()];
+        let unpacked = problem.unpack(&visited.fit.effects, values);
+        problem.predict(&unpacked, |run, e| all[run] = e.iter().map(|e| problem.pack(*e)).collect())?;
+        Some(all)
+    };
+    let innovations = run(&values).or_else(|| {
+        values = visited.fit.minimum.values.clone();
+        run(&values)
+    })?;
+    let held = |run: usize, k: usize| places.iter().any(|p| p.run == run && p.rows.contains(&k));
+    let rest: Vec<Output> = problem
+        .counted_rows()
+        .filter(|&(run, k)| !held(run, k))
+        .map(|(run, k)| innovations[run][k])
+        .collect();
+    let deviance = rest.len() as f64 * weights(&rest).1;
+    let log_posterior = visited.log_posterior_with(problem, deviance, divisor);
+    Some(Turned { values, innovations, log_posterior })
+}
+
+/// 2 ln likelihood that the second innovations gain over the first at `places`, block by block. Their covariance is each
+/// one's own there: how strong the disturbance is differs from section to section.
+fn gains_by_block(
+    problem: &Problem<'_>,
+    places: &[Place],
+    before: &[Vec<Output>],
+    after: &[Vec<Output>],
+) -> Vec<f64> {
+    let all = |of: &[Vec<Output>]| -> Vec<Output> {
+        places.iter().flat_map(|p| of[p.run][p.rows.clone()].to_vec()).collect()
+    };
+    let (a, b) = (weights(&all(before)), weights(&all(after)));
+    let square = |w: &nalgebra::Matrix2<f64>, e: &Output| {
+        w[(0, 0)] * e[0] * e[0] + 2.0 * w[(0, 1)] * e[0] * e[1] + w[(1, 1)] * e[1] * e[1]
+    };
+    let mut blocks = Vec::new();
+    for place in places {
+        let rows = ((BLOCK_S / problem.data.runs[place.run].step) as usize).max(1);
+        let pairs: Vec<f64> = place
+            .rows
+            .clone()
+            .map(|k| a.1 - b.1 + square(&a.0, &before[place.run][k]) - square(&b.0, &after[place.run][k]))
+            .collect();
+        blocks.extend(pairs.chunks(rows).map(|block| block.iter().sum::<f64>()));
+    }
+    blocks
+}
+
+/// VAF of a model on a part.
+pub fn scores(
+    problem: &Problem<'_>,
+    effects: &[&'static dyn Effect],
+    values: &[f64],
+    places: &[Place],
+) -> Scores {
+    let unpacked = problem.unpack(effects, values);
+    Scores {
+        free_run: free_run(problem, effects, values, places),
+        horizons: horizon_vaf(problem, &unpacked, places, &HORIZONS_S).unwrap_or_default(),
+    }
+}
+
+/// Free-run VAF over `places` together, per cent; zero where the simulation diverges.
+fn free_run(problem: &Problem<'_>, effects: &[&'static dyn Effect], values: &[f64], places: &[Place]) -> f64 {
+    let unpacked = problem.unpack(effects, values);
+    let simulated = starting_points(problem, &unpacked, places)
+        .and_then(|points| simulate(problem, &unpacked, places, &points));
+    let Some(simulated) = simulated else { return 0.0 };
+    let (mut left, mut whole) = (0.0, 0.0);
+    for (place, s) in places.iter().zip(&simulated) {
+        let y = judged(problem, place);
+        let errors: Vec<f64> = y.iter().zip(judged_channel(problem, s)).map(|(y, s)| y - s).collect();
+        left += y.len() as f64 * variance(&errors);
+        whole += y.len() as f64 * variance(y);
+    }
+    if whole > 0.0 { 100.0 * (1.0 - left / whole).max(0.0) } else { 0.0 }
+}

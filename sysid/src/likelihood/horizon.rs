@@ -1,0 +1,104 @@
+//! VAF of predictions by horizon: from the filter's state at row k, h seconds ahead, with the input known.
+//!
+//! ```text
+//! VAF_h = 100 (1 − Σ (y_{k+h} − ŷ_{k+h|k})² / Σ (y_{k+h} − ȳ)²)
+//! ```
+//!
+//! A free run rewards a model that copies the controller where the loop is closed, and says nothing of an unstable
+//! vehicle; a prediction over a short horizon does neither.
+
+use super::evidence::BLOCK_S;
+use super::free_run::{judged, judged_channel};
+use super::problem::{Problem, Unpacked};
+use crate::dataset::Place;
+use crate::model::pitch::Point;
+
+/// Predictions start this far apart, s.
+const STRIDE_S: f64 = 0.1;
+
+/// VAF at each of `horizons` (s, ascending) over `places` together, per cent, each with its standard error over blocks.
+/// `None` where the predictor diverges.
+pub fn horizon_vaf(
+    problem: &Problem<'_>,
+    unpacked: &Unpacked,
+    places: &[Place],
+    horizons: &[f64],
+) -> Option<Vec<(f64, f64)>> {
+    let mut starts: Vec<(usize, usize, Point)> = Vec::new();
+    let visit = |run: usize, k: usize, point: &Point| {
+        let stride = (STRIDE_S / problem.data.runs[run].step).round().max(1.0) as usize;
+        if k.is_multiple_of(stride)
+            && problem.counted[run][k]
+            && let Some(place) = places.iter().position(|p| p.run == run && p.rows.contains(&k))
+        {
+            starts.push((place, k, *point));
+        }
+    };
+    problem.track(unpacked, visit, &mut |_, _| {})?;
+    let mean = mean_of(problem, places);
+    let mut sums: Vec<Vec<(usize, [f64; 2])>> = vec![Vec::new(); horizons.len()];
+    let mut model = None;
+    for (place, start, mut point) in starts {
+        let run = &problem.data.runs[places[place].run];
+        if !model.as_ref().is_some_and(|(step, _)| *step == run.step) {
+            model = Some((run.step, problem.model(unpacked, run.step)?));
+        }
+        let (_, model) = model.as_ref()?;
+        let measured = judged(problem, &places[place]);
+        let block = place << 32 | (start as f64 * run.step / BLOCK_S) as usize;
+        let mut row = start;
+        for (horizon, sums) in horizons.iter().zip(&mut sums) {
+            let end = start + (horizon / run.step).round().max(1.0) as usize;
+            if end >= places[place].rows.end {
+                break;
+            }
+            while row < end {
+                if !model.advance(&mut point, run, row) {
+                    return None;
+                }
+                row += 1;
+            }
+            let y = measured[end - places[place].rows.start];
+            let error = y - judged_channel(problem, &[model.output(&point)])[0];
+            let add = [error * error, (y - mean) * (y - mean)];
+            match sums.last_mut() {
+                Some((last, sum)) if *last == block => {
+                    sum[0] += add[0];
+                    sum[1] += add[1];
+                }
+                _ => sums.push((block, add)),
+            }
+        }
+    }
+    Some(sums.iter().map(|blocks| ratio(blocks)).collect())
+}
+
+fn mean_of(problem: &Problem<'_>, places: &[Place]) -> f64 {
+    let all = || places.iter().flat_map(|place| judged(problem, place));
+    all().sum::<f64>() / all().count().max(1) as f64
+}
+
+/// 100 (1 − Σ a / Σ b) over blocks, and its standard error (ratio of means; Cochran, Sampling Techniques, 1977, eq. 2.46).
+fn ratio(blocks: &[(usize, [f64; 2])]) -> (f64, f64) {
+    let total = blocks.iter().fold([0.0, 0.0], |s, (_, b)| [s[0] + b[0], s[1] + b[1]]);
+    if total[1] <= 0.0 {
+        return (0.0, 0.0);
+    }
+    let ratio = total[0] / total[1];
+    let n = blocks.len() as f64;
+    let spread: f64 = blocks.iter().map(|(_, b)| (b[0] - ratio * b[1]).powi(2)).sum();
+    let error = (spread * n / (n - 1.0).max(1.0)).sqrt() / total[1];
+    (100.0 * (1.0 - ratio).max(0.0), 100.0 * error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ratio_of_equal_blocks_has_no_error_and_uneven_ones_have() {
+        assert_eq!(ratio(&[(0, [1.0, 4.0]), (1, [1.0, 4.0])]), (75.0, 0.0));
+        let (vaf, error) = ratio(&[(0, [0.0, 4.0]), (1, [2.0, 4.0])]);
+        assert!(vaf == 75.0 && (error - 25.0).abs() < 1e-9, "{vaf} {error}");
+    }
+}

@@ -1,0 +1,33 @@
+//! What an addition to the model does to its innovations.
+
+use super::plant::{State, StateMatrix};
+use super::shift::Shift;
+use crate::dataset::Run;
+
+/// The predictor as a filter from a moment, or from an addition to the measurement, to the innovations:
+///
+/// ```text
+/// δ⁺ = Φ (I − K C) δ + Γ m − Φ K d,     e = C δ + d
+/// ```
+///
+/// δ is by how much the true state is ahead of the predicted one (Kailath, 1968; Ljung, System Identification, ch. 4).
+#[derive(Clone, Debug)]
+pub struct InnovationFilter {
+    /// Φ (I − K C), over one sample.
+    pub transition: StateMatrix,
+    /// Γ: a unit moment, held over one sample.
+    pub per_moment: State,
+    /// Φ K, one column per measured channel.
+    pub per_addition: Vec<State>,
+    /// The states that the channels measure.
+    pub measured: Vec<usize>,
+    /// Delay of the input at the start of a recording, s.
+    pub delay: f64,
+}
+
+impl InnovationFilter {
+    /// The command that arrives between row `k` of `run` and the next.
+    pub fn command(&self, run: &Run, k: usize) -> f64 {
+        Shift::new(self.delay, 0, 1, run.step, run.held).apply(&run.u, k)
+    }
+}
