@@ -15,7 +15,7 @@ use super::judgement::Judgement;
 use super::locate::{band, dependences, time_windows};
 use super::over_time::{OverTime, residual_moments};
 use super::posterior::{Finding, Visited};
-use super::rotation::{Rotation, Scores, TermGain, scores};
+use super::rotation::{Scores, scores};
 use super::traces::traces;
 use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::scaled_shape::UNLISTED;
@@ -111,9 +111,9 @@ fn held_out(part: &super::rotation::HeldOut) -> HeldOutAnswer {
 
 impl Judgement<'_, '_> {
     fn chosen_in(&self) -> BTreeMap<String, [usize; 2]> {
-        let Rotation { parts, gains } = &self.rotation;
-        let findings = self.named.iter().chain(&self.shapes).zip(gains);
-        findings.map(|(f, gain)| (f.effect.about().id.to_owned(), [gain.chosen, parts.len()])).collect()
+        let ids = self.named.iter().chain(&self.small).chain(&self.shapes).map(|f| f.effect.about().id);
+        let chosen = |id: &str| self.rotation.gain(id).map_or(0, |gain| gain.chosen);
+        ids.map(|id| (id.to_owned(), [chosen(id), self.rotation.parts.len()])).collect()
     }
 
     /// Estimates of the parameters of the effect called `id`.
@@ -138,17 +138,16 @@ impl Judgement<'_, '_> {
 
     /// Whether what was found depends on the time.
     fn of_time(&self) -> bool {
-        let findings = self.named.iter().chain(&self.shapes);
+        let findings = self.named.iter().chain(&self.small).chain(&self.shapes);
         self.gust.is_some() || findings.map(|f| f.effect.about().variable).any(|variable| variable == "t")
     }
 
     fn effects(&self, fit: &FitAnswer) -> Vec<EffectAnswer> {
-        let gains = |i: usize| self.rotation.gains.get(i).copied().unwrap_or_default();
-        let named = self.named.iter().enumerate().map(|(i, f)| self.effect(f, gains(i), fit));
-        let shapes = self.shapes.iter().enumerate().map(|(i, f)| EffectAnswer {
+        let named = self.named.iter().map(|f| self.effect(f, fit));
+        let shapes = self.shapes.iter().map(|f| EffectAnswer {
             id: UNLISTED.into(),
             equation: describe::shape(f.effect, self.values_of(f.effect.about().id), &self.problem.sizes),
-            ..self.effect(f, gains(self.named.len() + i), fit)
+            ..self.effect(f, fit)
         });
         let mut effects: Vec<EffectAnswer> = match self.verdict {
             Verdict::Unlisted => shapes.chain(named).collect(),
@@ -158,8 +157,9 @@ impl Judgement<'_, '_> {
         effects
     }
 
-    fn effect(&self, finding: &Finding, gain: TermGain, fit: &FitAnswer) -> EffectAnswer {
+    fn effect(&self, finding: &Finding, fit: &FitAnswer) -> EffectAnswer {
         let about = finding.effect.about();
+        let gain = self.rotation.gain(about.id).unwrap_or_default();
         let alternative = |(effect, probability, _): &(&'static dyn Effect, f64, usize)| Alternative {
             id: effect.about().id.into(),
             probability: *probability,
@@ -185,18 +185,28 @@ impl Judgement<'_, '_> {
         // Where no name explains the data, the shapes are the answer and not what is left beside it.
         let shapes = if self.verdict == Verdict::Unlisted { &[][..] } else { &self.shapes };
         let failed: Vec<&Test> = self.failed.iter().filter(|test| test.of_physics).collect();
-        if shapes.is_empty() && failed.is_empty() {
+        if shapes.is_empty() && self.small.is_empty() && failed.is_empty() {
             return None;
         }
-        let abouts = shapes.iter().map(|f| f.effect.about());
-        let mut words: Vec<String> = abouts.clone().map(|about| about.sentence.to_owned()).collect();
+        let abouts = self.small.iter().chain(shapes).map(|f| f.effect.about());
+        let of = self.rotation.parts.len();
+        let small = |f: &Finding| {
+            let id = f.effect.about().id;
+            let chosen = self.rotation.gain(id).map_or(0, |gain| gain.chosen);
+            format!("{} ({id}, chosen in {chosen} of {of} rotations)", f.effect.about().sentence)
+        };
+        let mut words: Vec<String> = self.small.iter().map(small).collect();
+        words.extend(shapes.iter().map(|f| f.effect.about().sentence.to_owned()));
         words.extend(failed.iter().take(TESTS_IN_WORDS).map(|test| test.words.clone()));
         let described =
             |f: &Finding| describe::shape(f.effect, self.values_of(f.effect.about().id), &self.problem.sizes);
         Some(Remainder {
             words: words.join("; "),
             variable: abouts.clone().next().map_or("none", |about| about.variable).into(),
-            equation: shapes.iter().map(described).collect::<Vec<_>>().join("; "),
+            equation: {
+                let small = self.small.iter().map(|f| f.effect.about().equation.to_owned());
+                small.chain(shapes.iter().map(described)).collect::<Vec<_>>().join("; ")
+            },
             parameters: abouts.flat_map(|about| self.own(fit, about.id)).collect(),
             share: 1.0 - self.grounds.share_of_names(),
             tests: failed.iter().map(|t| FailedTest { name: t.name, p_value: t.p_value }).collect(),

@@ -23,13 +23,15 @@ pub struct Judgement<'p, 'd> {
     pub place: usize,
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
+    /// Named terms that are small, and that not every rotation chooses: they are told as a remainder.
+    pub small: Vec<Finding>,
     /// Its terms without a name.
     pub shapes: Vec<Finding>,
     /// A disturbance that is more than background.
     pub gust: Option<Gust>,
     /// Tests that it fails, least p-value first.
     pub failed: Vec<Test>,
-    /// Each part held out once; gains in the order of `named`, then `shapes`.
+    /// Each part held out once.
     pub rotation: Rotation,
     /// What the verdict was made of.
     pub grounds: Grounds,
@@ -55,20 +57,42 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let closes = failed.iter().filter(|test| test.of_physics).map(|test| test.closes);
         let untold = 0.5 * closes.fold(0.0, f64::max);
         let gust = gust(problem, fit);
+        let findings = [&named[..], &shapes].concat();
+        let rotation = rotate(problem, &selection, place, &findings, parts);
+        let chosen =
+            |finding: &Finding| rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen);
+        let is_small = |(i, finding): &(usize, Finding)| {
+            *i > 0 && finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len()
+        };
+        let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
+        let [small, named] =
+            [small, named].map(|some| some.into_iter().map(|(_, f)| f).collect::<Vec<Finding>>());
         let grounds = Grounds {
             data_first: false,
             not_excited: false,
             named: named.len() + usize::from(gust.is_some()),
             shapes: shapes.len(),
             rivals: named.iter().any(|finding| !finding.rivals.is_empty()),
+            unstable: named.iter().any(|finding| chosen(finding) == 0),
             gained_by_names,
             gained_by_all,
             untold,
         };
-        let findings = [&named[..], &shapes].concat();
-        let rotation = rotate(problem, &selection, place, &findings, parts);
         let verdict = grounds.verdict();
-        Self { problem, parts, selection, place, named, shapes, gust, failed, rotation, grounds, verdict }
+        Self {
+            problem,
+            parts,
+            selection,
+            place,
+            named,
+            small,
+            shapes,
+            gust,
+            failed,
+            rotation,
+            grounds,
+            verdict,
+        }
     }
 
     /// The baseline's fit.

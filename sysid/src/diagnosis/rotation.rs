@@ -63,8 +63,15 @@ pub struct TermGain {
 pub struct Rotation {
     /// Part by part.
     pub parts: Vec<HeldOut>,
-    /// For each finding.
-    pub gains: Vec<TermGain>,
+    /// For each finding, by its id.
+    gains: Vec<(&'static str, TermGain)>,
+}
+
+impl Rotation {
+    /// What the term called `id` gains.
+    pub fn gain(&self, id: &str) -> Option<TermGain> {
+        self.gains.iter().find(|(known, _)| *known == id).map(|(_, gain)| *gain)
+    }
 }
 
 /// A model fitted without one part.
@@ -127,7 +134,8 @@ pub fn rotate(
             model: (effects(models[best]).to_vec(), chosen.values.clone()),
         });
     }
-    Rotation { parts: rotations, gains: gains.iter().map(|turns| term_gain(turns)).collect() }
+    let ids = findings.iter().map(|finding| finding.effect.about().id);
+    Rotation { parts: rotations, gains: ids.zip(gains.iter().map(|turns| term_gain(turns))).collect() }
 }
 
 fn term_gain(turns: &[(Vec<f64>, f64, bool)]) -> TermGain {

@@ -16,6 +16,8 @@ pub struct Grounds {
     pub shapes: usize,
     /// Whether a named term has a rival that the data cannot rule out.
     pub rivals: bool,
+    /// Whether a named term is chosen by none of the rotations: without any one of the sections it is not seen.
+    pub unstable: bool,
     /// What the named terms alone gain.
     pub gained_by_names: f64,
     /// What the fullest model gains.
@@ -43,7 +45,7 @@ impl Grounds {
             let missing = self.shapes > 0 || self.untold > 0.0;
             return if missing { Verdict::Unlisted } else { Verdict::NoMismatch };
         }
-        if self.share_of_names() < MATERIAL {
+        if self.unstable || self.share_of_names() < MATERIAL {
             Verdict::Unlisted
         } else if self.rivals {
             Verdict::Ambiguous

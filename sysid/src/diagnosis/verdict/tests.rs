@@ -76,6 +76,23 @@ fn every_case_has_its_verdict() {
 }
 
 #[test]
+fn a_name_that_no_rotation_chooses_is_none() {
+    for (named, shapes, rivals, names, all, untold, verdict) in CASES {
+        let grounds = Grounds {
+            named,
+            shapes,
+            rivals,
+            unstable: named > 0,
+            gained_by_names: names,
+            gained_by_all: all,
+            untold,
+            ..Grounds::default()
+        };
+        assert_eq!(grounds.verdict(), if named > 0 { Unlisted } else { verdict }, "{grounds:?}");
+    }
+}
+
+#[test]
 fn the_data_come_first_and_silence_before_physics() {
     for (named, shapes, rivals, names, all, untold, _) in CASES {
         let grounds = Grounds {
