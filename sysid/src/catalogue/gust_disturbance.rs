@@ -7,7 +7,7 @@ use crate::model::effect::{About, Effect, Locus, Parameter, Scale};
 
 /// T ẇ = −w + noise, M += w.
 ///
-/// It moves nothing that a simulation could repeat, so it is never tried as a term: [`gust`](crate::diagnosis::gust)
+/// It moves nothing that a simulation could repeat, so it is never tried as a term: the diagnosis
 /// tells it by the spectrum of the disturbance.
 pub struct GustDisturbance;
 

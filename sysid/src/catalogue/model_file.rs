@@ -54,7 +54,7 @@ impl Baseline {
     }
 }
 
-/// A plant with its effects as a model file. Terms without a name have their scales ([`scaled::carried`]).
+/// A plant with its effects as a model file. Terms without a name have their scales ([`carried`](super::scaled_shape::carried)).
 pub fn model_file(plant: &Plant, terms: &[Term]) -> ModelFile {
     ModelFile {
         plant: PlantSection {
