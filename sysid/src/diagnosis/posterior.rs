@@ -66,6 +66,14 @@ impl Visited {
         physics.flat_map(|i| self.fit.own_range(problem, i)).collect()
     }
 
+    /// Ids of its shapes, sorted.
+    pub fn shapes(&self) -> Vec<&'static str> {
+        let shapes = self.fit.effects.iter().filter(|effect| is_shape(**effect));
+        let mut ids: Vec<&str> = shapes.map(|effect| effect.about().id).collect();
+        ids.sort_unstable();
+        ids
+    }
+
     /// κ of all its terms.
     pub fn divisor(&self, problem: &Problem<'_>) -> f64 {
         self.information.divisor(self.own(problem).into_iter())
@@ -123,14 +131,8 @@ impl Selection {
         let divisor = model.information.divisor(own.clone());
         let has = |v: &Visited| v.fit.position(effect.about().id).is_some();
         // What shapes stand beside it is given: a shape that holds the term as its special case does not speak against it.
-        let shapes = |v: &Visited| -> Vec<&str> {
-            let mut ids: Vec<&str> =
-                v.fit.effects.iter().filter(|e| is_shape(**e)).map(|e| e.about().id).collect();
-            ids.sort_unstable();
-            ids
-        };
-        let beside = if is_shape(effect) { None } else { Some(shapes(model)) };
-        let counts = |v: &&Visited| beside.as_ref().is_none_or(|beside| shapes(v) == *beside);
+        let beside = if is_shape(effect) { None } else { Some(model.shapes()) };
+        let counts = |v: &&Visited| beside.as_ref().is_none_or(|beside| v.shapes() == *beside);
         let value = |v: &Visited| v.log_posterior(problem, divisor);
         let top = self.visited.iter().filter(counts).map(value).fold(f64::NEG_INFINITY, f64::max);
         let weight = |v: &Visited| if counts(&v) { (value(v) - top).exp() } else { 0.0 };

@@ -111,8 +111,15 @@ pub fn rotate(
         let Some(chosen) = turned[best].as_ref() else { continue };
         let effects = |m: usize| &selection.visited[m].fit.effects[..];
         let scores = |m: usize, t: &Turned| scores(problem, effects(m), &t.values, &part.places);
-        let ids: Vec<&str> =
-            effects(models[best]).iter().filter(|e| !e.is_background()).map(|e| e.about().id).collect();
+        let ids = |m: usize| -> Vec<&'static str> {
+            effects(m).iter().filter(|e| !e.is_background()).map(|e| e.about().id).collect()
+        };
+        // Whether a term is chosen is asked beside the shapes that the answer has: one that holds it as a special case says
+        // nothing against it.
+        let shapes = |m: usize| selection.visited[m].shapes();
+        let alike = (0..models.len()).filter(|&i| shapes(models[i]) == shapes(place));
+        let best_alike = alike.max_by(|a, b| probable(a).total_cmp(&probable(b)));
+        let terms = best_alike.map_or_else(Vec::new, |i| ids(models[i]));
         for (finding, gains) in findings.iter().zip(&mut gains) {
             let pair = at(place).zip(finding.without.and_then(at));
             let Some((Some(with), Some(less))) = pair.map(|(a, b)| (turned[a].as_ref(), turned[b].as_ref()))
@@ -122,13 +129,13 @@ pub fn rotate(
             let blocks = gains_by_block(problem, &part.places, &less.innovations, &with.innovations);
             let free = |m: usize, t: &Turned| free_run(problem, effects(m), &t.values, &part.places);
             let points = free(place, with) - free(finding.without.unwrap_or(place), less);
-            gains.push((blocks, points, ids.contains(&finding.effect.about().id)));
+            gains.push((blocks, points, terms.contains(&finding.effect.about().id)));
         }
         rotations.push(HeldOut {
             label: part.label.clone(),
             baseline: scores(selection.baseline, baseline),
             extended: scores(models[best], chosen),
-            chosen: ids,
+            chosen: ids(models[best]),
             places: part.places.clone(),
             baseline_values: baseline.values.clone(),
             model: (effects(models[best]).to_vec(), chosen.values.clone()),
@@ -164,24 +171,22 @@ fn turn(
     divisor: f64,
 ) -> Option<Turned> {
     let visited = &selection.visited[m];
-    let mut values = visited.information.without(index, &visited.fit.minimum.values);
-    let run = |values: &[f64]| {
-        let mut all = vec![Vec::new(); problem.data.runs.len()];
-        let unpacked = problem.unpack(&visited.fit.effects, values);
-        problem.predict(&unpacked, |run, e| all[run] = e.iter().map(|e| problem.pack(*e)).collect())?;
-        Some(all)
-    };
-    let innovations = run(&values).or_else(|| {
-        values = visited.fit.minimum.values.clone();
-        run(&values)
-    })?;
     let held = |run: usize, k: usize| places.iter().any(|p| p.run == run && p.rows.contains(&k));
-    let rest: Vec<Output> = problem
-        .counted_rows()
-        .filter(|&(run, k)| !held(run, k))
-        .map(|(run, k)| innovations[run][k])
-        .collect();
-    let deviance = rest.len() as f64 * weights(&rest).1;
+    let at = |values: Vec<f64>| -> Option<(f64, Vec<f64>, Vec<Vec<Output>>)> {
+        let mut innovations = vec![Vec::new(); problem.data.runs.len()];
+        let unpacked = problem.unpack(&visited.fit.effects, &values);
+        let pack =
+            |run: usize, e: Vec<Output>| innovations[run] = e.iter().map(|e| problem.pack(*e)).collect();
+        problem.predict(&unpacked, pack)?;
+        let rows = problem.counted_rows().filter(|&(run, k)| !held(run, k));
+        let rest: Vec<Output> = rows.map(|(run, k)| innovations[run][k]).collect();
+        let deviance = rest.len() as f64 * weights(&rest).1;
+        deviance.is_finite().then_some((deviance, values, innovations))
+    };
+    // A step that does not lower the criterion of the rest has left the quadratic's reach.
+    let own = visited.fit.minimum.values.clone();
+    let tried = [visited.information.without(index, &own), own].into_iter().filter_map(at);
+    let (deviance, values, innovations) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let log_posterior = visited.log_posterior_with(problem, deviance, divisor);
     Some(Turned { values, innovations, log_posterior })
 }
