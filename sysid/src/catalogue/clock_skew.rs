@@ -1,7 +1,7 @@
 //! Input and output are stamped by two clocks.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 
 /// u_logged(t) = u(t (1 + ε)): the apparent delay is τ + ε t.
 pub struct ClockSkew;
@@ -28,6 +28,12 @@ impl Effect for ClockSkew {
     }
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
         [5e-4, -5e-4, 1.5e-3, -1.5e-3, 2.5e-3, -2.5e-3].map(|epsilon| vec![epsilon]).to_vec()
+    }
+    /// Two clocks have an offset as well, and a log that holds the latest value is late by a share of a sample: a constant
+    /// delay within a sample is theirs.
+    fn accounts_for(&self, other: &dyn Effect, p: &[f64], data: &Amplitudes) -> bool {
+        let constant = other.class() == Some(Class::Phase) && other.about().locus == Locus::Timing;
+        constant && p.iter().all(|delay| delay.abs() <= data.step)
     }
     fn delay(&self, p: &[f64], at: &Conditions) -> f64 {
         p[0] * at.t

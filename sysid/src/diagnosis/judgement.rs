@@ -10,6 +10,7 @@ use super::verdict::Grounds;
 use crate::held_out::Part;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
+use crate::model::effect::Effect;
 
 /// Everything that the answer is built from.
 pub struct Judgement<'p, 'd> {
@@ -23,7 +24,7 @@ pub struct Judgement<'p, 'd> {
     pub place: usize,
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
-    /// Named terms that are small, and that not every rotation chooses: they are told as a remainder.
+    /// Named terms that are told as a remainder: small ones that not every rotation chooses, and facets of another.
     pub small: Vec<Finding>,
     /// Its terms without a name.
     pub shapes: Vec<Finding>,
@@ -61,8 +62,16 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let rotation = rotate(problem, &selection, place, &findings, parts);
         let chosen =
             |finding: &Finding| rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen);
+        let all: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
+        let accounted = |finding: &Finding| {
+            let own =
+                fit.range_of(problem, finding.effect.about().id).and_then(|own| fit.minimum.values.get(own));
+            own.is_some_and(|p| all.iter().any(|e| e.accounts_for(finding.effect, p, &problem.sizes)))
+        };
         let is_small = |(i, finding): &(usize, Finding)| {
-            *i > 0 && finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len()
+            let uncertain =
+                *i > 0 && finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len();
+            uncertain || accounted(finding)
         };
         let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
         let [small, named] =

@@ -119,6 +119,10 @@ pub trait Effect: Sync {
     fn class(&self) -> Option<Class> {
         None
     }
+    /// Whether `other` with the values `p` beside it is a facet of this very effect, and no second one.
+    fn accounts_for(&self, _other: &dyn Effect, _p: &[f64], _data: &Amplitudes) -> bool {
+        false
+    }
     /// Whether it belongs to the background, which every model may have: then it is no finding.
     fn is_background(&self) -> bool {
         false
