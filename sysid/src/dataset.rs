@@ -24,6 +24,8 @@ pub struct Run {
     /// Roll rate, yaw rate (rad/s) and roll angle (rad), where both rates were measured; the angle, where it was not
     /// measured, is the integral of the roll rate.
     pub roll_and_yaw: Option<Vec<[f64; 3]>>,
+    /// Reading at which the rate clips, rad/s: the largest, where it recurs; infinite where it does not.
+    pub rate_limit: f64,
     /// Where the supervisor overrode the excitation.
     pub supervised: Vec<bool>,
     /// Sections, and the rows of this run that they cover.
@@ -149,6 +151,7 @@ impl Dataset {
                     u: cut(&recording.u),
                     rate: recording.q.as_deref().filter(|_| has_rate).map(cut),
                     angle: recording.theta.as_deref().filter(|_| has_angle).map(cut),
+                    rate_limit: recording.q.as_deref().map_or(f64::INFINITY, rate_limit),
                     roll_and_yaw: roll_and_yaw(recording, segment),
                     supervised: recording.supervised[segment.clone()].to_vec(),
                     sections: sections_within(recording, segment, (recordings.len() > 1).then_some(index)),
@@ -247,6 +250,7 @@ impl Run {
                 .roll_and_yaw
                 .as_ref()
                 .map(|rows| (0..blocks).map(|b| rows[b * factor + factor / 2]).collect()),
+            rate_limit: f64::INFINITY,
             supervised: (0..blocks)
                 .map(|b| self.supervised[b * factor..(b + 1) * factor].contains(&true))
                 .collect(),
@@ -301,6 +305,14 @@ fn deviation<'a>(pieces: impl Iterator<Item = &'a [f64]>) -> f64 {
         count += piece.len();
     }
     (sum / count.max(1) as f64).sqrt().max(1e-12)
+}
+
+/// The largest magnitude of a signal where several samples have exactly that, infinite where they do not.
+fn rate_limit(signal: &[f64]) -> f64 {
+    const RECURS: usize = 5;
+    let largest = signal.iter().fold(0.0, |m: f64, q| m.max(q.abs()));
+    let at_it = signal.iter().filter(|q| q.abs() == largest).count();
+    if at_it >= RECURS { largest } else { f64::INFINITY }
 }
 
 fn roll_and_yaw(recording: &Recording, segment: &Range<usize>) -> Option<Vec<[f64; 3]>> {

@@ -22,6 +22,7 @@ fn run(u: Vec<f64>) -> Run {
         held: true,
         rate: Some(vec![0.0; u.len()]),
         angle: Some(vec![0.0; u.len()]),
+        rate_limit: f64::INFINITY,
         roll_and_yaw: None,
         supervised: vec![false; u.len()],
         sections: Vec::new(),

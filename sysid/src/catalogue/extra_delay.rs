@@ -32,7 +32,7 @@ impl Effect for ExtraDelay {
         }]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
-        vec![vec![0.5 * data.step], vec![0.05]]
+        vec![vec![0.5 * data.step], vec![0.05], vec![-0.05]]
     }
     fn applies(&self, baseline: &Baseline, _data: &Dataset) -> bool {
         !baseline.delay_free

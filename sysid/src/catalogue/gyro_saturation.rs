@@ -35,7 +35,7 @@ impl Effect for GyroSaturation {
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
         data.has_rate
     }
-    fn measure(&self, p: &[f64], _s: &[f64], y: Output) -> Output {
+    fn limit(&self, p: &[f64], y: Output) -> Output {
         [y[0].clamp(-p[0], p[0]), y[1]]
     }
 }

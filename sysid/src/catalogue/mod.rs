@@ -26,6 +26,7 @@ mod servo_lag;
 mod servo_rate_limit;
 mod servo_saturation;
 pub mod shapes;
+pub mod slow_moment;
 mod structural_mode;
 mod thrust_curve;
 mod trim_offset;

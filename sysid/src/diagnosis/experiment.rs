@@ -91,6 +91,7 @@ fn fly(
         held: true,
         rate: problem.data.has_rate.then(|| vec![0.0; count]),
         angle: problem.data.has_angle.then(|| vec![0.0; count]),
+        rate_limit: f64::INFINITY,
         roll_and_yaw: None,
         supervised: vec![false; count],
         sections: Vec::new(),

@@ -7,14 +7,12 @@
 use super::levels::{FURTHER_TERM, NAMED};
 use super::posterior::chance;
 use crate::catalogue::CATALOGUE;
-use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::roll_off::RollOff;
-use crate::dataset::Amplitudes;
+use crate::catalogue::slow_moment::SlowMoment;
 use crate::estimate::Estimate;
 use crate::likelihood::fit::{FINISH, Fit};
 use crate::likelihood::problem::Problem;
-use crate::model::effect::{About, Effect, Parameter, Scale};
-use crate::model::noise;
+use crate::model::effect::Effect;
 use crate::model::noise::{Disturbance, Third};
 use crate::optim::levenberg_marquardt::{Coordinate, covariance, minimize};
 use nalgebra::{DMatrix, DVector};
@@ -61,38 +59,17 @@ pub struct Gust {
     pub p_value: f64,
 }
 
-/// The gust's moment in the noise model, σ relative to the noise of the first channel.
-struct SecondMoment;
-
-impl Effect for SecondMoment {
-    fn about(&self) -> About {
-        GustDisturbance.about()
-    }
-    fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
-        let unit = 10.0 * data.moment / data.q;
-        vec![
-            Parameter { name: "sigma", unit: "1", lower: 1e-5 * unit, upper: 1e5 * unit, scale: Scale::Log },
-            Parameter { name: "T", unit: "s", lower: data.step, upper: data.duration, scale: Scale::Log },
-        ]
-    }
-    fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
-        Vec::new()
-    }
-    fn noise(&self, p: &[f64]) -> Option<Third> {
-        Some(Third::Gust(noise::Gust { sigma: p[0], time_constant: p[1] }))
-    }
-}
-
 /// Whether the disturbance that `fit` found is a gust.
 ///
 /// A background that falls off with a third pole is the other explanation of what two poles leave: the gust must be better
 /// than either.
 pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
-    let fit = &without_background(problem, fit);
     let disturbance = problem.unpack(&fit.effects, &fit.minimum.values).disturbance;
+    let fit = &without_background(problem, fit);
     let (least_zero, least_ratio) = WORTH_A_LOOK;
-    let like_background =
-        disturbance.zero < least_zero * disturbance.frequency && log_ratio(&disturbance) < least_ratio.ln();
+    let like_background = !matches!(disturbance.third, Some(Third::Gust(_)))
+        && disturbance.zero < least_zero * disturbance.frequency
+        && log_ratio(&disturbance) < least_ratio.ln();
     if like_background || problem.sizes.duration < LEAST_DATA {
         return None;
     }
@@ -165,7 +142,7 @@ fn without_and_with(problem: &Problem<'_>, fit: &Fit, disturbance: &Disturbance)
         alone.iter().flat_map(|start| ROLL_OFFS.map(|time| [&start[..], &[time]].concat())).collect();
     let with = |term: &'static dyn Effect| [&fit.effects[..], &[term]].concat();
     let (gust, (two, three)) = rayon::join(
-        || lowest_of_band_passed(problem, &with(&SecondMoment), &both),
+        || lowest_of_band_passed(problem, &with(&SlowMoment), &both),
         || {
             rayon::join(
                 || lowest_of_band_passed(problem, &fit.effects, &alone),
@@ -253,6 +230,7 @@ fn sensor_noise(problem: &Problem<'_>, fit: &Fit) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::noise;
 
     const BAND: Disturbance = Disturbance {
         intensity: 1.0,

@@ -38,8 +38,8 @@ const ALWAYS_FITTED: usize = 3;
 /// From a start that the chord does not lead away from, the noise model has far to go.
 const LONG_SKETCH: Effort = Effort { iterations: 15, tolerance: 0.5 };
 /// `before` with each of `candidates` in turn, best first. Their starts are followed a few steps, from the optimum of
-/// `before` and from near output error (where the disturbance model does not swallow an effect before it is seen); those
-/// that are worth it are fitted, and those of them that come near the best are fitted to the end.
+/// `before` and from near output error (where the disturbance model does not swallow an effect before it is seen), at first
+/// from the user's values too; those that are worth it are fitted, and those of them that come near the best are fitted to the end.
 pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Fit> {
     let sketches: Vec<Fit> = worth_fitting(prospects(problem, before, candidates))
         .par_iter()
@@ -113,7 +113,7 @@ pub fn screen(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Ef
     all
 }
 
-/// The candidates a few steps from the optimum of `before`, and from near output error.
+/// The candidates a few steps from the optimum of `before`, from near output error, and from the user's model.
 fn prospects(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Prospect> {
     let optimum = &before.minimum.values;
     let mut all = Vec::new();
@@ -121,9 +121,8 @@ fn prospects(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Eff
         let starts = best_starts(problem, before, candidates, optimum, &chord);
         all.extend(followed(problem, before, starts, &chord));
     }
-    if let Some(mut low) = near_output_error(problem, before)
-        && let Some(at_low) = chord(problem, before, &low)
-    {
+    for mut low in [near_output_error(problem, before), users_model(problem, before)].into_iter().flatten() {
+        let Some(at_low) = chord(problem, before, &low) else { continue };
         let mut starts = best_starts(problem, before, candidates, &low, &at_low);
         let noise = problem.noise_range();
         for values in starts.iter_mut().map(|start| &mut start.values).chain([&mut low]) {
@@ -249,4 +248,16 @@ fn near_output_error(problem: &Problem<'_>, before: &Fit) -> Option<Vec<f64>> {
     }
     let residuals = |v: &[f64]| problem.prediction_errors(&before.effects, v);
     minimize(&residuals, problem.channels(), &coordinates, &start, SKETCH).map(|m| m.values)
+}
+
+/// The values of the user's model near output error, where `before` has no physics yet: what is missing has bent the plant
+/// at the optimum, and a large effect may lie beyond a ridge from there.
+fn users_model(problem: &Problem<'_>, before: &Fit) -> Option<Vec<f64>> {
+    if !before.effects.iter().all(|effect| effect.is_background()) {
+        return None;
+    }
+    let mut values = before.minimum.values.clone();
+    values[..problem.plant_unknowns()].copy_from_slice(&problem.plant_start());
+    values[problem.noise_range()].copy_from_slice(&problem.noise_start(LOW_GAIN));
+    Some(values)
 }

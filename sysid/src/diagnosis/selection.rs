@@ -14,6 +14,7 @@ use super::posterior::{Selection, Visited, is_shape};
 use super::search::{Prospect, fit_one_more, screen};
 use crate::catalogue::roll_off::RollOff;
 use crate::catalogue::shapes::SHAPES;
+use crate::catalogue::slow_moment::SlowMoment;
 use crate::dataset::Place;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::{Fit, SKETCH, fit, fit_baseline, refit, settled};
@@ -93,7 +94,7 @@ pub fn select(
     let mut search = Search { problem, candidates, parts, visited: Vec::new(), rounds: Vec::new() };
     let baseline = fit_baseline(problem)?;
     let mut current = search.visit(baseline)?;
-    current = search.with_roll_off(current);
+    current = search.with_third_pole(current);
     for _ in 0..MOST_TERMS {
         progress(&format!("trying the catalogue's effects on top of {}", search.described(current)));
         let all = search.candidates.named.clone();
@@ -156,14 +157,13 @@ impl Search<'_, '_> {
     }
 
     /// The model at `place`, or that with a third pole of the background where it is more probable.
-    fn with_roll_off(&mut self, place: usize) -> usize {
+    fn with_third_pole(&mut self, place: usize) -> usize {
         let before = self.visited[place].fit.clone();
-        let prospects = screen(self.problem, &before, &[&RollOff]);
-        let fit = prospects.first().and_then(|p| refit(self.problem, &p.effects, &p.values));
-        match fit.and_then(|fit| self.visit(fit)) {
-            Some(other) if self.improvement(other, place) > 0.0 => other,
-            _ => place,
-        }
+        let prospects = screen(self.problem, &before, &[&RollOff, &SlowMoment]);
+        let fits: Vec<Fit> =
+            prospects.par_iter().filter_map(|p| refit(self.problem, &p.effects, &p.values)).collect();
+        let after: Vec<usize> = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
+        self.best(&after).filter(|&best| self.improvement(best, place) > 0.0).unwrap_or(place)
     }
 
     /// The model at `before` with each named candidate that it lacks; and itself, fitted again from where these ended.

@@ -168,8 +168,12 @@ pub trait Effect: Sync {
     /// Moves its own states over one step, with the pitch rate `q` in rad/s and angle `theta` in rad at the IMU and the
     /// acceleration `control` that the control moment gives the airframe in rad/s².
     fn sense(&self, _p: &[f64], _s: &mut [f64], _q: f64, _theta: f64, _control: f64, _at: &Conditions) {}
-    /// What the log shows of the rate and angle `y` at the IMU.
+    /// What the sensors make of the rate and angle `y` at the IMU.
     fn measure(&self, _p: &[f64], _s: &[f64], y: Output) -> Output {
+        y
+    }
+    /// What the log can show of the sensors' `y`; after all that the sensors make.
+    fn limit(&self, _p: &[f64], y: Output) -> Output {
         y
     }
 }

@@ -277,12 +277,18 @@ impl<'a> PitchModel<'a> {
 
     /// What the log shows at `point`.
     pub fn output(&self, point: &Point) -> Output {
+        self.limited(self.sensed(point))
+    }
+
+    fn sensed(&self, point: &Point) -> Output {
         let (rate, angle) = self.measured;
-        let mut y = [point.x[rate], point.x[angle]];
-        for Placed { effect, values, own } in &self.terms {
-            y = effect.measure(values, &point.own[own.clone()], y);
-        }
-        y
+        let y = [point.x[rate], point.x[angle]];
+        let sense = |y, term: &Placed<'_>| term.effect.measure(term.values, &point.own[term.own.clone()], y);
+        self.terms.iter().fold(y, sense)
+    }
+
+    fn limited(&self, y: Output) -> Output {
+        self.terms.iter().fold(y, |y, term| term.effect.limit(term.values, y))
     }
 
     /// One sample further, from row `k` of `run` to row k+1. `false` when the state has diverged.
@@ -385,8 +391,10 @@ impl<'a> PitchModel<'a> {
     ) -> Option<Vec<Output>> {
         let mut point = self.start(run);
         let mut innovations = Vec::with_capacity(rows);
+        let mut censored = Vec::new();
         for k in 0..rows {
-            let expected = self.output(&point);
+            let sensed = self.sensed(&point);
+            let expected = self.limited(sensed);
             let gain = match &gains.changed {
                 Some(later) if self.inertia_at(run.time(k)) != 1.0 => later,
                 _ => &gains.begin,
@@ -400,13 +408,36 @@ impl<'a> PitchModel<'a> {
                     column += 1;
                 }
             }
+            let at_limit = run.rate.as_ref().is_some_and(|rate| rate[k].abs() >= run.rate_limit);
+            if at_limit && sensed[0] != expected[0] {
+                censored.push(k);
+            }
             innovations.push(e);
             visit(k, &point);
             if !self.advance(&mut point, run, k) {
                 return None;
             }
         }
+        impute(&mut innovations, &censored);
         Some(innovations)
+    }
+}
+
+/// Gives each of the `censored` rows the rate's innovation of another row, drawn by its number, with a sign drawn alike: a
+/// reading at the limit says that the rate is at least that, and neither that the model is right nor how strong the noise is
+/// (hot-deck imputation: Andridge and Little, Int. Stat. Rev. 78, 2010).
+fn impute(innovations: &mut [Output], censored: &[usize]) {
+    let mut is_censored = vec![false; innovations.len()];
+    censored.iter().for_each(|&k| is_censored[k] = true);
+    let donors: Vec<usize> = (0..innovations.len()).filter(|&k| !is_censored[k]).collect();
+    if donors.is_empty() {
+        return;
+    }
+    for &k in censored {
+        // Knuth's multiplicative hash
+        let drawn = (k as u32).wrapping_add(1).wrapping_mul(2_654_435_769);
+        let sign = if drawn & 0x8000 == 0 { 1.0 } else { -1.0 };
+        innovations[k][0] = sign * innovations[donors[(drawn >> 16) as usize % donors.len()]][0];
     }
 }
 

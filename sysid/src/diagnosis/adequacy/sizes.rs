@@ -49,6 +49,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         u: Vec::new(),
         rate: empty(),
         angle: empty(),
+        rate_limit: f64::INFINITY,
         roll_and_yaw: None,
         supervised: Vec::new(),
         sections: Vec::new(),
