@@ -10,12 +10,11 @@ use crate::dataset::Place;
 use crate::held_out::Part;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::weights;
-use crate::likelihood::free_run::{judged, judged_channel, simulate, starting_points};
+use crate::likelihood::free_run::vaf_over;
 use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::model::pitch::Output;
-use crate::validate::vaf::variance;
 use rayon::prelude::*;
 
 /// Models whose log posterior lies further below the answer's are not chosen by any rotation.
@@ -127,7 +126,9 @@ pub fn rotate(
                 continue;
             };
             let blocks = gains_by_block(problem, &part.places, &less.innovations, &with.innovations);
-            let free = |m: usize, t: &Turned| free_run(problem, effects(m), &t.values, &part.places);
+            let free = |m: usize, t: &Turned| {
+                vaf_over(problem, &problem.unpack(effects(m), &t.values), &part.places)
+            };
             let points = free(place, with) - free(finding.without.unwrap_or(place), less);
             gains.push((blocks, points, terms.contains(&finding.effect.about().id)));
         }
@@ -228,23 +229,10 @@ pub fn scores(
 ) -> Scores {
     let unpacked = problem.unpack(effects, values);
     Scores {
-        free_run: free_run(problem, effects, values, places),
+        free_run: vaf_over(problem, &unpacked, places),
         horizons: horizon_vaf(problem, &unpacked, places, &HORIZONS_S).unwrap_or_default(),
     }
 }
 
-/// Free-run VAF over `places` together, per cent; zero where the simulation diverges.
-fn free_run(problem: &Problem<'_>, effects: &[&'static dyn Effect], values: &[f64], places: &[Place]) -> f64 {
-    let unpacked = problem.unpack(effects, values);
-    let simulated = starting_points(problem, &unpacked, places)
-        .and_then(|points| simulate(problem, &unpacked, places, &points));
-    let Some(simulated) = simulated else { return 0.0 };
-    let (mut left, mut whole) = (0.0, 0.0);
-    for (place, s) in places.iter().zip(&simulated) {
-        let y = judged(problem, place);
-        let errors: Vec<f64> = y.iter().zip(judged_channel(problem, s)).map(|(y, s)| y - s).collect();
-        left += y.len() as f64 * variance(&errors);
-        whole += y.len() as f64 * variance(y);
-    }
-    if whole > 0.0 { 100.0 * (1.0 - left / whole).max(0.0) } else { 0.0 }
-}
+#[cfg(test)]
+mod tests;
