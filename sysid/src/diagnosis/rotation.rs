@@ -184,9 +184,12 @@ fn turn(
         let deviance = rest.len() as f64 * weights(&rest).1;
         deviance.is_finite().then_some((deviance, values, innovations))
     };
-    // A step that does not lower the criterion of the rest has left the quadratic's reach.
+    // A step that does not lower the criterion of the rest has left the quadratic's reach: what the noise model makes of it
+    // is far from one, the physics by itself is near one.
     let own = visited.fit.minimum.values.clone();
-    let tried = [visited.information.without(index, &own), own].into_iter().filter_map(at);
+    let step = |held: &dyn Fn(usize) -> bool| visited.information.without(index, &own, held);
+    let noise = problem.noise_range();
+    let tried = [step(&|_| false), step(&|i| noise.contains(&i)), own.clone()].into_iter().filter_map(at);
     let (deviance, values, innovations) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let log_posterior = visited.log_posterior_with(problem, deviance, divisor);
     Some(Turned { values, innovations, log_posterior })

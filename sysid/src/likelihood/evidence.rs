@@ -200,20 +200,26 @@ impl Information {
         })
     }
 
-    /// The unknowns fitted without part `part` of the data: one Gauss–Newton step from `values`.
-    pub fn without(&self, part: usize, values: &[f64]) -> Vec<f64> {
+    /// The unknowns fitted without part `part` of the data: one Gauss–Newton step from `values`, those that are `held` left
+    /// where they are.
+    pub fn without(&self, part: usize, values: &[f64], held: impl Fn(usize) -> bool) -> Vec<f64> {
         let mut moved = values.to_vec();
         let Part { hessian, score } = &self.parts[part];
-        let mut rest = &self.hessian - hessian;
-        for i in 0..rest.nrows() {
+        let moving: Vec<usize> = (0..self.free.len()).filter(|&a| !held(self.free[a])).collect();
+        let n = moving.len();
+        let entry =
+            |a: usize, b: usize| self.hessian[(moving[a], moving[b])] - hessian[(moving[a], moving[b])];
+        let mut rest = DMatrix::from_fn(n, n, entry);
+        for i in 0..n {
             rest[(i, i)] = rest[(i, i)] * (1.0 + 1e-9) + 1e-9;
         }
         let Some(solver) = factor(&rest) else { return moved };
-        let step = solver.solve(score);
-        for (a, &i) in self.free.iter().enumerate() {
+        let step = solver.solve(&DVector::from_fn(n, |a, _| score[moving[a]]));
+        for (step, &a) in step.iter().zip(&moving) {
+            let i = self.free[a];
             let coordinate = &self.coordinates[i];
             // no unknown jumps further than in the search
-            moved[i] = coordinate.outer(coordinate.inner(values[i]) + step[a].clamp(-3.0, 3.0));
+            moved[i] = coordinate.outer(coordinate.inner(values[i]) + step.clamp(-3.0, 3.0));
         }
         moved
     }

@@ -2,11 +2,13 @@
 
 use super::super::data_checks::fixture::{Flight, GAIN};
 use super::super::fixture::{
-    asked, effects, flight_with, flown_by, quarters, selection, weaker_at_first,
+    asked, effects, extended, flight_with, flown_by, quarters, selection, weaker_at_first,
 };
+use super::super::posterior::Visited;
 use super::*;
 
 const STIFF: f64 = 0.8;
+const LAST: usize = 1500;
 
 fn stiff(_: usize, _: f64, theta: f64) -> f64 {
     -STIFF * theta.sin()
@@ -61,6 +63,43 @@ fn a_term_that_one_part_alone_shows_is_not_chosen_without_it() {
         let last = &rotation.parts[3];
         assert_eq!(last.model.1, last.baseline_values, "the baseline is what was selected");
         assert_eq!(last.extended.free_run, last.baseline.free_run);
+    });
+}
+
+/// Stiffness of a fit of all, its standard deviation, and that without the last part.
+fn stiffness(_: &Problem<'_>, selection: &Selection, rotation: &Rotation) -> [f64; 3] {
+    let minimum = &selection.visited[1].fit.minimum;
+    let deviation = selection.visited[1].information.deviations(&minimum.values);
+    let last = |values: &[f64]| *values.last().unwrap();
+    [last(&minimum.values), last(&deviation), last(&rotation.parts[3].model.1)]
+}
+
+#[test]
+fn what_the_held_out_part_holds_does_not_enter_its_model() {
+    let [all, _, without] = rotated(&flight_with(1, stiff), stiffness);
+    let other = |k, q, theta| if k < LAST { stiff(k, q, theta) } else { 0.5 * stiff(k, q, theta) };
+    let [of_other, _, without_other] = rotated(&flight_with(1, other), stiffness);
+    let (apart, entered) = ((all - of_other).abs(), (without - without_other).abs());
+    assert!(apart > 0.08 && entered < 0.35 * apart, "{all} {of_other}, without it {without} {without_other}");
+}
+
+#[test]
+fn the_model_without_a_part_is_near_the_one_that_is_fitted_without_it() {
+    rotated(&flight_with(1, stiff), |problem, selection, rotation| {
+        let Visited { information, fit, .. } = &selection.visited[1];
+        let values = &fit.minimum.values;
+        let deviations = information.deviations(values);
+        let (mut left, mut whole) = (0.0, 0.0);
+        for held in &rotation.parts {
+            let rest = Problem::new(problem.data, problem.baseline, &held.places);
+            let again = extended(&rest, &selection.visited[0].fit, &effects(&["gravity_stiffness"]));
+            for i in (0..problem.plant_unknowns()).chain([values.len() - 1]) {
+                let apart = |v: f64| ((v - again.minimum.values[i]) / deviations[i]).powi(2);
+                left += apart(held.model.1[i]);
+                whole += apart(values[i]);
+            }
+        }
+        assert!(whole > 1.0 && left < 0.25 * whole, "{left} of {whole}");
     });
 }
 

@@ -150,12 +150,24 @@ fn without_a_part_the_linear_problem_is_solved_as_if_it_had_never_been_there() {
     let information = two.information(&best);
     for part in 0..PARTS {
         let (turned, again) =
-            (information.without(part, &best), two.solved(|k| two.part(k) != part));
+            (information.without(part, &best, |_| false), two.solved(|k| two.part(k) != part));
         for i in 0..2 {
             assert!((turned[i] - again[i]).abs() < 1e-8, "{part}: {turned:?} {again:?}");
             assert!((again[i] - best[i]).abs() > 1e-4, "the part must matter");
         }
     }
+}
+
+#[test]
+fn what_is_held_stays_and_the_others_are_solved_beside_it() {
+    let two = regression(2, 1);
+    let best = two.solved(|_| true);
+    let turned = two.information(&best).without(1, &best, |i| i == 0);
+    let rows = || (0..ROWS).filter(|&k| two.part(k) != 1);
+    let errors = two.errors(&[best[0], 0.0]);
+    let power: f64 = rows().map(|k| two.columns[1][k].powi(2)).sum();
+    let own = rows().map(|k| two.columns[1][k] * errors[k]).sum::<f64>() / power;
+    assert!(turned[0] == best[0] && (turned[1] - own).abs() < 1e-8, "{turned:?} {own}");
 }
 
 #[test]
