@@ -299,3 +299,6 @@ impl Gust {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

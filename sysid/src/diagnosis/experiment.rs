@@ -179,46 +179,4 @@ fn expected_ratio(problem: &Problem<'_>, a: &Fit, b: &Fit, run: &Run) -> Option<
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::dataset::Dataset;
-    use crate::likelihood::fit::fit_baseline;
-    use crate::model::baseline::Baseline;
-
-    /// 30 s of a rigid plant, q' = −2 q + 100 u, flown by a PRBS, with a little noise.
-    fn recording() -> crate::recording::Recording {
-        let step = 0.02;
-        let u = prbs([0.1, 0.2], 0.01, step);
-        let mut random = Pcg64::seed_from_u64(5);
-        let (mut q, mut theta) = (0.0, 0.0);
-        let mut text = String::from("t_s,u_N_m,q_rad_s,theta_rad\n");
-        for (k, u) in u.iter().enumerate() {
-            let noise = 1e-3 * (random.random::<f64>() - 0.5);
-            text.push_str(&format!("{:.2},{u},{},{}\n", k as f64 * step, q + noise, theta + 0.1 * noise));
-            q += step * (100.0 * u - 2.0 * q);
-            theta += step * q;
-        }
-        crate::recording::parse("test.csv", text.as_bytes(), &Default::default()).unwrap()
-    }
-
-    #[test]
-    fn the_supervisor_keeps_the_angle_within_the_limit_and_hands_back_at_half_of_it() {
-        let data = Dataset::new(&[recording()]).unwrap();
-        let baseline = Baseline::from_data(&data);
-        let problem = Problem::new(&data, &baseline, &[]);
-        let fit = fit_baseline(&problem).unwrap();
-        let (amplitude, limit) = (0.02, 0.08);
-        let excitation = prbs([0.4, 0.8], amplitude, problem.sizes.step);
-        let free = fly(&problem, &fit, excitation.clone(), amplitude, None).unwrap();
-        let held = fly(&problem, &fit, excitation, amplitude, Some(limit)).unwrap();
-        let largest = |run: &Run| run.angle.iter().flatten().fold(0.0, |m: f64, a| m.max(a.abs()));
-        assert!(largest(&free) > 2.0 * limit, "{}", largest(&free));
-        assert!(largest(&held) < 0.75 * largest(&free), "{}", largest(&held));
-        let angles = held.angle.as_ref().unwrap();
-        for (pair, angle) in held.supervised.windows(2).zip(&angles[1..]) {
-            let handed_back = pair[0] && !pair[1];
-            assert!(!handed_back || angle.abs() <= 0.5 * limit, "{angle}");
-        }
-        assert!(held.supervised.iter().any(|s| *s) && !held.supervised.iter().all(|s| *s));
-    }
-}
+mod tests;

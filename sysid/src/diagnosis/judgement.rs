@@ -114,3 +114,6 @@ impl<'p, 'd> Judgement<'p, 'd> {
         &self.selection.visited[self.place].fit
     }
 }
+
+#[cfg(test)]
+mod tests;

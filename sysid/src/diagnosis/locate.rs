@@ -5,7 +5,7 @@ use crate::dataset::Place;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::fit::weights;
-use crate::likelihood::free_run::{judged_channel, simulate, starting_points};
+use crate::likelihood::free_run::free_run;
 use crate::likelihood::problem::Problem;
 use nalgebra::Matrix2;
 
@@ -93,11 +93,7 @@ pub fn indistinct(problem: &Problem<'_>, model: &Fit, rival: &Fit) -> f64 {
 
 /// Band [low, high] in rad/s that holds the middle 80 % of the power by which two fits' free runs differ.
 pub fn band(problem: &Problem<'_>, baseline: &Fit, extended: &Fit, places: &[Place]) -> Option<[f64; 2]> {
-    let run_of = |fit: &Fit| {
-        let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
-        let points = starting_points(problem, &unpacked, places)?;
-        simulate(problem, &unpacked, places, &points)
-    };
+    let run_of = |fit: &Fit| free_run(problem, &problem.unpack(&fit.effects, &fit.minimum.values), places);
     let (a, b) = (run_of(baseline)?, run_of(extended)?);
     let step = problem.sizes.step;
     let longest = places.iter().map(|p| p.rows.len()).max()? as f64 * step;
@@ -107,8 +103,7 @@ pub fn band(problem: &Problem<'_>, baseline: &Fit, extended: &Fit, places: &[Pla
         (0..POINTS).map(|i| low * (high / low).powf(i as f64 / (POINTS - 1) as f64)).collect();
     let mut power = vec![0.0; POINTS];
     for (a, b) in a.iter().zip(&b) {
-        let (a, b) = (judged_channel(problem, a), judged_channel(problem, b));
-        let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+        let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
         for (power, &omega) in power.iter_mut().zip(&grid) {
             // On a logarithmic grid, a line stands for a width in proportion to its frequency.
             *power += omega * fourier_power(&difference, omega * step);
@@ -222,3 +217,6 @@ fn dependence(variable: &str, unit: String, values: &[f64], moment: &[f64], inde
     let share = if total > 0.0 { (between / total - chance).clamp(0.0, 1.0) } else { 0.0 };
     Dependence { variable: variable.into(), unit, share, classes }
 }
+
+#[cfg(test)]
+mod tests;

@@ -17,6 +17,8 @@ mod diagnose;
 mod estimates;
 mod excitation;
 mod experiment;
+#[cfg(test)]
+mod fixture;
 mod gust;
 mod judgement;
 pub mod levels;

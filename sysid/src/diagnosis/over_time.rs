@@ -61,3 +61,6 @@ fn moments(problem: &Problem<'_>, fit: &Fit) -> Option<Vec<Vec<f64>>> {
     problem.track(&unpacked, visit, &mut |_, _| {})?;
     Some(all)
 }
+
+#[cfg(test)]
+mod tests;

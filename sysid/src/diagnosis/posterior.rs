@@ -34,7 +34,8 @@ pub struct Finding {
     pub probability: f64,
     /// Named candidates in its place that the data cannot rule out: effect, probability, and the model with it.
     pub rivals: Vec<(&'static dyn Effect, f64, usize)>,
-    /// Gain of the log posterior by the term: with it against without it.
+    /// Gain of the log posterior by the term: with it against without it, or, where that model was not visited, against the
+    /// most probable without it. Finite.
     pub log_evidence: f64,
     /// Odds of so large a gain in likelihood by chance (χ², the likelihood ratio divided by κ).
     pub p_value: f64,
@@ -95,15 +96,21 @@ impl Visited {
     pub fn log_posterior_with(&self, problem: &Problem<'_>, criterion: f64, divisor: f64) -> f64 {
         let named = self.fit.effects.iter().enumerate().filter(|(_, e)| !e.is_background() && !is_shape(**e));
         let own_of_named = named.flat_map(|(i, _)| self.fit.own_range(problem, i));
-        if self.information.holds_zero(own_of_named, &self.fit.minimum.values) {
-            return f64::NEG_INFINITY;
-        }
-        let of_terms = self.information.occam(self.own(problem).into_iter(), divisor);
+        let own = self.own(problem);
+        let no_term = self.information.holds_zero(own_of_named, &self.fit.minimum.values)
+            || self.information.occam(own.iter().copied(), divisor).is_none();
+        if no_term { f64::NEG_INFINITY } else { self.log_posterior_of_any(problem, criterion, divisor) }
+    }
+
+    /// The same, also where a term's interval holds zero or a parameter of it stands at a bound: finite. Such a parameter
+    /// takes nothing from the evidence.
+    fn log_posterior_of_any(&self, problem: &Problem<'_>, criterion: f64, divisor: f64) -> f64 {
+        let moving = self.own(problem).into_iter().filter(|&i| self.information.moves(i));
         let background = (0..self.fit.effects.len()).filter(|&i| self.fit.effects[i].is_background());
         // A pole of the background that has gone to its bound is none.
         let of_background =
             self.information.occam(background.flat_map(|i| self.fit.own_range(problem, i)), divisor);
-        let occam = of_terms.unwrap_or(f64::NEG_INFINITY) + of_background.unwrap_or(0.0);
+        let occam = self.information.occam(moving, divisor).unwrap_or(0.0) + of_background.unwrap_or(0.0);
         -0.5 * criterion / divisor + occam + self.log_prior
     }
 }
@@ -146,7 +153,11 @@ impl Selection {
                     .all(|e| e.about().id != effect.about().id && model.fit.position(e.about().id).is_some())
         };
         let without = self.visited.iter().position(is_rest);
-        let gain = without.map_or(f64::INFINITY, |w| value(model) - value(&self.visited[w]));
+        // That another term of the rest is none does not speak for this one.
+        let any = |v: &Visited| v.log_posterior_of_any(problem, v.fit.criterion(), divisor);
+        let best_without =
+            || self.visited.iter().filter(|v| !has(v)).map(any).fold(f64::NEG_INFINITY, f64::max);
+        let gain = any(model) - without.map_or_else(best_without, |w| any(&self.visited[w]));
         let ratio = without.map_or(0.0, |w| self.visited[w].fit.criterion() - model.fit.criterion());
         let whole = self.gain(problem, self.fullest);
         Finding {
@@ -203,19 +214,4 @@ pub fn chance(gain: f64, parameters: usize) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn chance_is_that_of_chi_squared() {
-        assert!((chance(3.841_459, 1) - 0.05).abs() < 1e-6);
-        assert!((chance(9.487_729, 4) - 0.05).abs() < 1e-6);
-        assert_eq!(chance(-1.0, 1), 1.0);
-    }
-
-    #[test]
-    fn shapes_have_no_name_and_the_catalogue_has() {
-        assert!(SHAPES.iter().all(|&shape| is_shape(shape)));
-        assert!(crate::catalogue::CATALOGUE.iter().all(|&effect| !is_shape(effect)));
-    }
-}
+mod tests;

@@ -10,12 +10,11 @@ use crate::dataset::Place;
 use crate::held_out::Part;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::weights;
-use crate::likelihood::free_run::{judged, judged_channel, simulate, starting_points};
+use crate::likelihood::free_run::vaf_over;
 use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::model::pitch::Output;
-use crate::validate::vaf::variance;
 use rayon::prelude::*;
 
 /// Models whose log posterior lies further below the answer's are not chosen by any rotation.
@@ -127,7 +126,9 @@ pub fn rotate(
                 continue;
             };
             let blocks = gains_by_block(problem, &part.places, &less.innovations, &with.innovations);
-            let free = |m: usize, t: &Turned| free_run(problem, effects(m), &t.values, &part.places);
+            let free = |m: usize, t: &Turned| {
+                vaf_over(problem, &problem.unpack(effects(m), &t.values), &part.places)
+            };
             let points = free(place, with) - free(finding.without.unwrap_or(place), less);
             gains.push((blocks, points, terms.contains(&finding.effect.about().id)));
         }
@@ -183,9 +184,12 @@ fn turn(
         let deviance = rest.len() as f64 * weights(&rest).1;
         deviance.is_finite().then_some((deviance, values, innovations))
     };
-    // A step that does not lower the criterion of the rest has left the quadratic's reach.
+    // A step that does not lower the criterion of the rest has left the quadratic's reach: what the noise model makes of it
+    // is far from one, the physics by itself is near one.
     let own = visited.fit.minimum.values.clone();
-    let tried = [visited.information.without(index, &own), own].into_iter().filter_map(at);
+    let step = |held: &dyn Fn(usize) -> bool| visited.information.without(index, &own, held);
+    let noise = problem.noise_range();
+    let tried = [step(&|_| false), step(&|i| noise.contains(&i)), own.clone()].into_iter().filter_map(at);
     let (deviance, values, innovations) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let log_posterior = visited.log_posterior_with(problem, deviance, divisor);
     Some(Turned { values, innovations, log_posterior })
@@ -228,23 +232,10 @@ pub fn scores(
 ) -> Scores {
     let unpacked = problem.unpack(effects, values);
     Scores {
-        free_run: free_run(problem, effects, values, places),
+        free_run: vaf_over(problem, &unpacked, places),
         horizons: horizon_vaf(problem, &unpacked, places, &HORIZONS_S).unwrap_or_default(),
     }
 }
 
-/// Free-run VAF over `places` together, per cent; zero where the simulation diverges.
-fn free_run(problem: &Problem<'_>, effects: &[&'static dyn Effect], values: &[f64], places: &[Place]) -> f64 {
-    let unpacked = problem.unpack(effects, values);
-    let simulated = starting_points(problem, &unpacked, places)
-        .and_then(|points| simulate(problem, &unpacked, places, &points));
-    let Some(simulated) = simulated else { return 0.0 };
-    let (mut left, mut whole) = (0.0, 0.0);
-    for (place, s) in places.iter().zip(&simulated) {
-        let y = judged(problem, place);
-        let errors: Vec<f64> = y.iter().zip(judged_channel(problem, s)).map(|(y, s)| y - s).collect();
-        left += y.len() as f64 * variance(&errors);
-        whole += y.len() as f64 * variance(y);
-    }
-    if whole > 0.0 { 100.0 * (1.0 - left / whole).max(0.0) } else { 0.0 }
-}
+#[cfg(test)]
+mod tests;

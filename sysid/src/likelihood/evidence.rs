@@ -59,6 +59,14 @@ struct Part {
     score: DVector<f64>,
 }
 
+/// Where an error belongs.
+struct Row {
+    /// Run, and block of it.
+    block: (usize, usize),
+    /// The part of the data.
+    part: Option<usize>,
+}
+
 impl Information {
     /// At the minimum of `fit`; `parts` are the parts of the data that can be left out by [`Self::without`]. `None`
     /// where the fit has no finite derivatives, or they are not independent.
@@ -67,7 +75,24 @@ impl Information {
         let values = &fit.minimum.values;
         let residuals = |v: &[f64]| problem.prediction_errors(&fit.effects, v);
         let slopes = Chord::new(&residuals, problem.channels(), &coordinates, values)?.into_jacobian();
-        let (weight, _) = weights(&fit.minimum.residuals);
+        let rows = problem.counted_rows().map(|(run, k)| {
+            let holds = |places: &Vec<Place>| places.iter().any(|p| p.run == run && p.rows.contains(&k));
+            let block = (k as f64 * problem.data.runs[run].step / BLOCK_S) as usize;
+            Row { block: (run, block), part: parts.iter().position(holds) }
+        });
+        Self::of_rows(coordinates, values, &slopes, &fit.minimum.residuals, rows, parts.len())
+    }
+
+    /// From the derivatives of the errors, coordinate by coordinate; `rows` says where each error belongs.
+    fn of_rows(
+        coordinates: Vec<Coordinate>,
+        values: &[f64],
+        slopes: &[Vec<[f64; 2]>],
+        errors: &[[f64; 2]],
+        rows: impl Iterator<Item = Row>,
+        parts: usize,
+    ) -> Option<Self> {
+        let (weight, _) = weights(errors);
         let moves = |i: &usize| {
             let bounds = coordinates[*i].bounds;
             let hair = 1e-6 * (bounds[1] - bounds[0]);
@@ -79,35 +104,24 @@ impl Information {
         let n = free.len();
         let zero = || Part { hessian: DMatrix::zeros(n, n), score: DVector::zeros(n) };
         let mut whole = zero();
-        let mut of_parts: Vec<Part> = parts.iter().map(|_| zero()).collect();
+        let mut of_parts: Vec<Part> = (0..parts).map(|_| zero()).collect();
         let (mut by_blocks, mut block, mut blocks) = (DMatrix::zeros(n, n), DVector::zeros(n), 0);
         let mut current = None;
         let (mut row_hessian, mut row_score) = (DMatrix::zeros(n, n), DVector::zeros(n));
-        for (index, (run, k)) in problem.counted_rows().enumerate() {
-            let data = &problem.data.runs[run];
-            let this = Some((run, (k as f64 * data.step / BLOCK_S) as usize));
-            if this != current {
+        for (index, Row { block: this, part }) in rows.enumerate() {
+            if Some(this) != current {
                 if current.is_some() {
                     by_blocks.ger(1.0, &block, &block, 1.0);
                     blocks += 1;
                 }
                 block.fill(0.0);
-                current = this;
+                current = Some(this);
             }
-            row(
-                &slopes,
-                &free,
-                index,
-                &weight,
-                &fit.minimum.residuals[index],
-                &mut row_hessian,
-                &mut row_score,
-            );
+            row(slopes, &free, index, &weight, &errors[index], &mut row_hessian, &mut row_score);
             whole.hessian += &row_hessian;
             whole.score += &row_score;
             block += &row_score;
-            let holds = |places: &&Vec<Place>| places.iter().any(|p| p.run == run && p.rows.contains(&k));
-            if let Some(part) = parts.iter().position(|places| holds(&places)) {
+            if let Some(part) = part {
                 of_parts[part].hessian += &row_hessian;
                 of_parts[part].score += &row_score;
             }
@@ -130,6 +144,11 @@ impl Information {
             parts: of_parts,
             coordinates,
         })
+    }
+
+    /// Whether the unknown at `place` moves: it stands at no bound, and the innovations depend on it.
+    pub fn moves(&self, place: usize) -> bool {
+        self.free.contains(&place)
     }
 
     /// Places of `own` among the free unknowns; `None` where one of them does not move.
@@ -181,20 +200,26 @@ impl Information {
         })
     }
 
-    /// The unknowns fitted without part `part` of the data: one Gauss–Newton step from `values`.
-    pub fn without(&self, part: usize, values: &[f64]) -> Vec<f64> {
+    /// The unknowns fitted without part `part` of the data: one Gauss–Newton step from `values`, those that are `held` left
+    /// where they are.
+    pub fn without(&self, part: usize, values: &[f64], held: impl Fn(usize) -> bool) -> Vec<f64> {
         let mut moved = values.to_vec();
         let Part { hessian, score } = &self.parts[part];
-        let mut rest = &self.hessian - hessian;
-        for i in 0..rest.nrows() {
+        let moving: Vec<usize> = (0..self.free.len()).filter(|&a| !held(self.free[a])).collect();
+        let n = moving.len();
+        let entry =
+            |a: usize, b: usize| self.hessian[(moving[a], moving[b])] - hessian[(moving[a], moving[b])];
+        let mut rest = DMatrix::from_fn(n, n, entry);
+        for i in 0..n {
             rest[(i, i)] = rest[(i, i)] * (1.0 + 1e-9) + 1e-9;
         }
         let Some(solver) = factor(&rest) else { return moved };
-        let step = solver.solve(score);
-        for (a, &i) in self.free.iter().enumerate() {
+        let step = solver.solve(&DVector::from_fn(n, |a, _| score[moving[a]]));
+        for (step, &a) in step.iter().zip(&moving) {
+            let i = self.free[a];
             let coordinate = &self.coordinates[i];
             // no unknown jumps further than in the search
-            moved[i] = coordinate.outer(coordinate.inner(values[i]) + step[a].clamp(-3.0, 3.0));
+            moved[i] = coordinate.outer(coordinate.inner(values[i]) + step.clamp(-3.0, 3.0));
         }
         moved
     }
@@ -237,3 +262,6 @@ fn row(
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

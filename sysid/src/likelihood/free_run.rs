@@ -7,7 +7,7 @@ use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::{Problem, Unpacked};
 use crate::model::pitch::{Output, Point};
 use crate::optim::levenberg_marquardt::{Coordinate, Effort, Minimum, Residuals, minimize};
-use crate::validate::vaf::vaf;
+use crate::validate::vaf::{vaf, variance};
 
 /// States of the predictor at the first sample of each of `places`.
 pub fn starting_points(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) -> Option<Vec<Point>> {
@@ -52,16 +52,31 @@ pub fn judged_channel(problem: &Problem<'_>, simulated: &[Output]) -> Vec<f64> {
     simulated.iter().map(|y| y[channel]).collect()
 }
 
+/// Free run of each of `places` from its own starting point, in the channel that it is judged by. `None` where it diverges.
+pub fn free_run(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) -> Option<Vec<Vec<f64>>> {
+    let points = starting_points(problem, unpacked, places)?;
+    let simulated = simulate(problem, unpacked, places, &points)?;
+    Some(simulated.iter().map(|s| judged_channel(problem, s)).collect())
+}
+
 /// Free-run VAF of each of `places`, per cent; zero where the simulation diverges.
 pub fn vaf_by_place(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) -> Vec<f64> {
-    let simulated = starting_points(problem, unpacked, places)
-        .and_then(|points| simulate(problem, unpacked, places, &points));
-    let Some(simulated) = simulated else { return vec![0.0; places.len()] };
-    places
-        .iter()
-        .zip(&simulated)
-        .map(|(place, s)| vaf(judged(problem, place), &judged_channel(problem, s)))
-        .collect()
+    let Some(simulated) = free_run(problem, unpacked, places) else { return vec![0.0; places.len()] };
+    places.iter().zip(&simulated).map(|(place, s)| vaf(judged(problem, place), s)).collect()
+}
+
+/// Free-run VAF over `places` together, errors and signals each about its mean in a place, per cent; zero where the
+/// simulation diverges.
+pub fn vaf_over(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) -> f64 {
+    let Some(simulated) = free_run(problem, unpacked, places) else { return 0.0 };
+    let (mut left, mut whole) = (0.0, 0.0);
+    for (place, s) in places.iter().zip(&simulated) {
+        let y = judged(problem, place);
+        let errors: Vec<f64> = y.iter().zip(s).map(|(y, s)| y - s).collect();
+        left += y.len() as f64 * variance(&errors);
+        whole += y.len() as f64 * variance(y);
+    }
+    if whole > 0.0 { 100.0 * (1.0 - left / whole).max(0.0) } else { 0.0 }
 }
 
 /// Output-error maximum likelihood over `places`: the plant's and the effects' parameters that minimise the free-run
@@ -106,3 +121,6 @@ pub fn noise_held(problem: &Problem<'_>, fit: &Fit) -> Vec<Coordinate> {
     }
     coordinates
 }
+
+#[cfg(test)]
+mod tests;

@@ -92,13 +92,4 @@ fn ratio(blocks: &[(usize, [f64; 2])]) -> (f64, f64) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_ratio_of_equal_blocks_has_no_error_and_uneven_ones_have() {
-        assert_eq!(ratio(&[(0, [1.0, 4.0]), (1, [1.0, 4.0])]), (75.0, 0.0));
-        let (vaf, error) = ratio(&[(0, [0.0, 4.0]), (1, [2.0, 4.0])]);
-        assert!(vaf == 75.0 && (error - 25.0).abs() < 1e-9, "{vaf} {error}");
-    }
-}
+mod tests;

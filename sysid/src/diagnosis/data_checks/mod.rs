@@ -12,7 +12,7 @@
 mod channels;
 mod feedback;
 #[cfg(test)]
-pub(super) mod fixture;
+pub(crate) mod fixture;
 mod input;
 mod motion;
 mod timing;

@@ -1,0 +1,65 @@
+//! Two names, of which one is small.
+
+use super::super::data_checks::fixture::Flight;
+use super::super::fixture::{asked, effects, flight_with, flown_by, quarters, selection, weaker_at_first};
+use super::*;
+
+/// The judgement of stiffness and drag together, where all models of the two were visited.
+fn judged<T>(flight: &Flight, ask: impl FnOnce(&Judgement<'_, '_>) -> T) -> T {
+    asked(flight, |problem, baseline| {
+        let parts = quarters(problem);
+        let both = effects(&["gravity_stiffness", "quadratic_drag"]);
+        let sets = [both[..1].to_vec(), both[1..].to_vec(), both];
+        let selection = selection(problem, baseline, &parts, &sets);
+        ask(&Judgement::new(problem, &parts, selection))
+    })
+}
+
+fn ids(findings: &[Finding]) -> Vec<&'static str> {
+    findings.iter().map(|finding| finding.effect.about().id).collect()
+}
+
+#[test]
+fn a_small_name_that_not_every_rotation_chooses_is_told_as_a_remainder() {
+    // Only where the input is strong does the vehicle turn fast enough for the drag to show.
+    let flown = flown_by(1, weaker_at_first(0.2), |_, q, theta| -4.0 * theta.sin() - 0.8 * q * q.abs());
+    judged(&flown, |judgement| {
+        assert_eq!(
+            (ids(&judgement.named), ids(&judgement.small)),
+            (vec!["gravity_stiffness"], vec!["quadratic_drag"])
+        );
+        assert!(judgement.small[0].share < 0.2 && judgement.small[0].share > 0.0);
+        assert!(judgement.rotation.gain("quadratic_drag").unwrap().chosen < 4);
+        assert_eq!(judgement.grounds.named, 1 + usize::from(judgement.gust.is_some()));
+    });
+}
+
+#[test]
+fn a_small_name_that_every_rotation_chooses_stays_a_name() {
+    let flown = flight_with(1, |_, q, theta| -4.0 * theta.sin() - 0.6 * q * q.abs());
+    judged(&flown, |judgement| {
+        assert_eq!(ids(&judgement.named), ["gravity_stiffness", "quadratic_drag"]);
+        assert!(judgement.small.is_empty() && judgement.named[1].share < 0.2);
+        assert_eq!(judgement.rotation.gain("quadratic_drag").unwrap().chosen, 4);
+        assert!(!judgement.grounds.unstable && judgement.verdict == Verdict::Named);
+        assert_eq!(judgement.extended().effects.len(), 2);
+        assert!(judgement.baseline().effects.is_empty());
+    });
+}
+
+#[test]
+fn names_that_close_little_give_way_to_what_closes_more() {
+    let stiff = |_, _, theta: f64| -0.8 * theta.sin();
+    asked(&flight_with(1, stiff), |problem, baseline| {
+        let parts = quarters(problem);
+        let sets = [effects(&["quadratic_drag"]), effects(&["gravity_stiffness"])];
+        for (named, place) in [(1, 2), (2, 2)] {
+            let mut models = selection(problem, baseline, &parts, &sets);
+            (models.named, models.extended) = (named, named);
+            let judgement = Judgement::new(problem, &parts, models);
+            assert_eq!(judgement.place, place);
+            let gains = (judgement.grounds.gained_by_names, judgement.grounds.gained_by_all);
+            assert_eq!(gains.0 < MATERIAL * gains.1, named == 1, "{gains:?}");
+        }
+    });
+}
