@@ -35,6 +35,8 @@ pub struct Answer {
     pub summary: String,
     /// The terms added to the model, all of them and no others, largest share first.
     pub effects: Vec<EffectAnswer>,
+    /// The effects that the user's model has, estimated again.
+    pub in_model: Vec<KnownAnswer>,
     /// What is left beside named terms and too small to change the verdict.
     pub remainder: Option<Remainder>,
     /// Where the residual is.
@@ -68,6 +70,17 @@ pub struct EffectAnswer {
     pub alternatives: Vec<Alternative>,
     /// What speaks for it.
     pub evidence: Evidence,
+}
+
+/// An effect that the user's model has.
+#[derive(Clone, Debug, Serialize)]
+pub struct KnownAnswer {
+    /// Id of the catalogue.
+    pub id: String,
+    /// What the user's model says of its parameters, in their order.
+    pub given: Vec<f64>,
+    /// Its parameters, estimated again.
+    pub parameters: Vec<Estimate>,
 }
 
 /// A candidate that the data cannot rule out.

@@ -2,8 +2,8 @@
 
 use super::adequacy::Test;
 use super::answer::{
-    Alternative, Answer, EffectAnswer, Evidence, FailedTest, FitAnswer, HeldOutAnswer, Location, ModelAnswer,
-    Remainder, VafAnswer, Verdict,
+    Alternative, Answer, EffectAnswer, Evidence, FailedTest, FitAnswer, HeldOutAnswer, KnownAnswer, Location,
+    ModelAnswer, Remainder, VafAnswer, Verdict,
 };
 use super::ceiling::ceilings;
 use super::describe;
@@ -56,6 +56,7 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
         verdict: judgement.verdict,
         summary: String::new(),
         effects: judgement.effects(&fit),
+        in_model: judgement.in_model(&fit),
         remainder: judgement.remainder(&fit),
         location,
         fit,
@@ -127,6 +128,28 @@ impl Judgement<'_, '_> {
         let before: usize = hidden.filter(|own| own.start < range.start).map(|own| own.len()).sum();
         let shift = self.problem.noise_unknowns() + before;
         fit.extended.parameters.get(range.start - shift..range.end - shift).unwrap_or_default().to_vec()
+    }
+
+    /// The effects that the user's model has, with the values of the answer's model.
+    fn in_model(&self, fit: &FitAnswer) -> Vec<KnownAnswer> {
+        let mut next = self.problem.known_range().start;
+        let mut known = Vec::new();
+        for term in &self.problem.baseline.terms {
+            let own = next..next + term.values.len();
+            next = own.end;
+            let again = fit.extended.parameters.get(own).unwrap_or_default().iter();
+            let names = term.effect.parameters(&self.problem.sizes);
+            known.push(KnownAnswer {
+                id: term.effect.about().id.into(),
+                given: term.values.clone(),
+                parameters: names
+                    .iter()
+                    .zip(again)
+                    .map(|(p, estimate)| Estimate { name: p.name.into(), ..estimate.clone() })
+                    .collect(),
+            });
+        }
+        known
     }
 
     /// Values of the parameters of the effect called `id`.

@@ -56,7 +56,29 @@ pub fn summary(answer: &Answer) -> String {
     {
         text.push_str(&format!(" Left beside it ({}): {}.", percent(remainder.share), remainder.words));
     }
+    text.push_str(&off_in_model(answer));
     text.push_str(&disagreement(answer));
+    text
+}
+
+/// Effects of the user's model whose values the data contradict.
+fn off_in_model(answer: &Answer) -> String {
+    let mut text = String::new();
+    for known in &answer.in_model {
+        for (estimate, given) in known.parameters.iter().zip(&known.given) {
+            let [low, high] = estimate.ci95;
+            if low <= *given && *given <= high || low == high {
+                continue;
+            }
+            let unit = if estimate.unit == "1" { String::new() } else { format!(" {}", estimate.unit) };
+            text.push_str(&format!(
+                " The {} that the model has is off: {}, not {}{unit}.",
+                known.id,
+                in_words(estimate),
+                digits(*given)
+            ));
+        }
+    }
     text
 }
 

@@ -158,6 +158,7 @@ fn unanswered(
             verdict: said.verdict,
             summary: said.summary,
             effects: Vec::new(),
+            in_model: Vec::new(),
             remainder: None,
             location: said.location,
             fit,

@@ -43,9 +43,11 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// Those of `catalogue` that apply, and all shapes.
+    /// Those of `catalogue` that apply and that the baseline lacks, and all shapes.
     pub fn new(problem: &Problem<'_>, catalogue: &[&'static dyn Effect]) -> Self {
-        let applies = |e: &&'static dyn Effect| e.applies(problem.baseline, problem.data);
+        let known =
+            |e: &dyn Effect| problem.baseline.terms.iter().any(|term| term.effect.about().id == e.about().id);
+        let applies = |e: &&'static dyn Effect| e.applies(problem.baseline, problem.data) && !known(*e);
         let named = catalogue.iter().copied().filter(applies).collect();
         Self { named, shapes: SHAPES.iter().map(|&s| s as &'static dyn Effect).collect() }
     }

@@ -1,11 +1,11 @@
 //! One estimation problem: the data, the baseline, and which samples count; its unknowns and its residuals.
 
+use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::model_file::model_file;
-use crate::catalogue::scaled_shape::carried;
+use crate::catalogue::scaled_shape::{UNLISTED, carried};
 use crate::dataset::{Amplitudes, Dataset, Place};
 use crate::model::baseline::Baseline;
-use crate::model::effect::Effect;
-use crate::model::effect::Scale;
+use crate::model::effect::{Effect, Parameter, Scale};
 use crate::model::file::ModelFile;
 use crate::model::noise::Disturbance;
 use crate::model::pitch::{Gains, Output, PitchModel, Point, Term};
@@ -92,9 +92,16 @@ impl<'a> Problem<'a> {
         self.counted.iter().enumerate().flat_map(rows)
     }
 
-    /// Number of unknowns of the plant; they come first.
+    /// Number of unknowns of the plant and of the effects that the baseline has; they come first.
     pub fn plant_unknowns(&self) -> usize {
-        2 + usize::from(self.baseline.delay_free) + 2 * usize::from(self.baseline.plant.mount.is_some())
+        self.known_range().end
+    }
+
+    /// Where the parameters of the effects stand that the baseline has.
+    pub fn known_range(&self) -> core::ops::Range<usize> {
+        let first = self.mount_range().end;
+        let count = self.baseline.terms.iter().map(|term| term.values.len()).sum::<usize>();
+        first..first + count
     }
 
     /// Number of unknowns of the noise model; they follow the plant's.
@@ -109,23 +116,39 @@ impl<'a> Problem<'a> {
 
     /// Where the unknowns of the mount stand; empty where the IMU is rigid.
     pub fn mount_range(&self) -> core::ops::Range<usize> {
-        2 + usize::from(self.baseline.delay_free)..self.plant_unknowns()
+        let first = 2 + usize::from(self.baseline.delay_free);
+        first..first + 2 * usize::from(self.baseline.plant.mount.is_some())
     }
 
     /// The unknowns: plant, noise model, then the parameters of `effects`.
     pub fn coordinates(&self, effects: &[&'static dyn Effect]) -> Vec<Coordinate> {
         let mut all = self.plant_coordinates();
+        all.extend(self.baseline.terms.iter().flat_map(|term| self.known_coordinates(term)));
         all.extend(self.noise_coordinates());
         for effect in effects {
-            all.extend(effect.parameters(&self.sizes).iter().map(|p| {
-                let (log, step) = match p.scale {
-                    Scale::Log => (true, 1.0),
-                    Scale::Linear(step) => (false, step),
-                };
-                coordinate(p.name, p.unit, [p.lower, p.upper], log, step)
-            }));
+            all.extend(effect.parameters(&self.sizes).iter().map(coordinate_of));
         }
         all
+    }
+
+    /// Unknowns of an effect that the baseline has. A moment in time, a term without a name and the background are as the
+    /// user has them.
+    fn known_coordinates(&self, term: &Term) -> Vec<Coordinate> {
+        let id = term.effect.about().id;
+        let held = id == UNLISTED || id == GustDisturbance.about().id;
+        let parameters = term.effect.parameters(&self.sizes).into_iter().zip(&term.values).enumerate();
+        let known = |(i, (p, &value)): (usize, (Parameter, &f64))| {
+            let mut coordinate = coordinate_of(&p);
+            coordinate.name = format!("{id}.{}", p.name);
+            coordinate.log &= value > 0.0;
+            coordinate.bounds = if held || term.effect.begins_at() == Some(i) {
+                [value; 2]
+            } else {
+                [coordinate.bounds[0].min(value), coordinate.bounds[1].max(value)]
+            };
+            coordinate
+        };
+        parameters.map(known).collect()
     }
 
     fn plant_coordinates(&self) -> Vec<Coordinate> {
@@ -214,6 +237,7 @@ impl<'a> Problem<'a> {
             let (hz, zeta) = mode_of(&mount);
             start.extend([hz, zeta]);
         }
+        start.extend(self.baseline.terms.iter().flat_map(|term| &term.values));
         start
     }
 
@@ -230,6 +254,8 @@ impl<'a> Problem<'a> {
         if let Some(mount) = &mut plant.mount {
             *mount = Mount::from_mode(next(), next(), mount.inertia);
         }
+        let mut terms = self.baseline.terms.clone();
+        terms.iter_mut().flat_map(|term| &mut term.values).for_each(|value| *value = next());
         let mut disturbance = Disturbance {
             intensity: next(),
             frequency: next(),
@@ -241,7 +267,6 @@ impl<'a> Problem<'a> {
         if self.channels() == 2 {
             disturbance.angle_noise = next();
         }
-        let mut terms = self.baseline.terms.clone();
         for &effect in effects {
             let values: Vec<f64> = effect.parameters(&self.sizes).iter().map(|_| next()).collect();
             disturbance.third = disturbance.third.or_else(|| effect.noise(&values));
@@ -308,6 +333,14 @@ impl<'a> Problem<'a> {
     pub fn pack(&self, e: Output) -> Output {
         if self.data.has_rate { e } else { [e[1], 0.0] }
     }
+}
+
+fn coordinate_of(p: &Parameter) -> Coordinate {
+    let (log, step) = match p.scale {
+        Scale::Log => (true, 1.0),
+        Scale::Linear(step) => (false, step),
+    };
+    coordinate(p.name, p.unit, [p.lower, p.upper], log, step)
 }
 
 fn coordinate(name: &str, unit: &str, bounds: [f64; 2], log: bool, unit_step: f64) -> Coordinate {
