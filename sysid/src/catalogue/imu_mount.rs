@@ -3,7 +3,7 @@
 use crate::dataset::Amplitudes;
 use crate::dataset::Dataset;
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Effect, Locus, Parameter, Scale};
 use crate::model::plant::{Mount, Plant};
 
 /// Inertia that the mount carries, as a share of the airframe's: 5e-4 of 0.1705 kg m². Too small to be estimated.
@@ -22,6 +22,9 @@ impl Effect for ImuMount {
             variable: "qdot",
             condition: "as ringing after each switch of the input",
         }
+    }
+    fn class(&self) -> Option<Class> {
+        Some(Class::Resonance)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![

@@ -1,7 +1,7 @@
 //! A bending mode of arm or frame, shaken by the control moment and seen by the IMU.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 use crate::model::pitch::Output;
 
 /// η̈ + 2ζω η̇ + ω² η = g (∂M/∂u) u_a / Iyy, q_meas = q + η̇, θ_meas = θ + η.
@@ -17,6 +17,9 @@ impl Effect for StructuralMode {
             variable: "u_rate",
             condition: "as ringing after each switch of the input",
         }
+    }
+    fn class(&self) -> Option<Class> {
+        Some(Class::Resonance)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![

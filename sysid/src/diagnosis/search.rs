@@ -60,7 +60,15 @@ pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static 
     let within = |fit: &Fit| !fit.at_bound(problem, fit.effects.len() - 1);
     let lowest = best.iter().filter(|f| within(f)).map(|f| f.bic(problem)).fold(f64::INFINITY, f64::min);
     let needed = (before.bic(problem) - NEEDLESS).max(lowest + SAME_PLACE);
-    best.retain(|fit| fit.bic(problem) < needed.min(lowest + HOPELESS));
+    let class = |fit: &Fit| fit.effects.last().and_then(|effect| effect.class());
+    let leading = best.iter().find(|fit| fit.bic(problem) == lowest).and_then(class);
+    // Of those that do nearly the same, a few steps do not say which does it best.
+    let alike = before.bic(problem) - CLOSE * (before.bic(problem) - lowest);
+    best.retain(|fit| {
+        let same_class = leading.is_some() && class(fit) == leading;
+        let far = if same_class { alike.max(lowest + HOPELESS) } else { lowest + HOPELESS };
+        fit.bic(problem) < needed.min(far)
+    });
     let mut fits: Vec<Fit> =
         best.par_iter().filter_map(|fit| refit(problem, &fit.effects, &fit.minimum.values)).collect();
     fits.retain(within);

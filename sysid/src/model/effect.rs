@@ -34,6 +34,8 @@ pub enum Class {
     SmallSignals,
     /// What stiffens at large angles.
     LargeAngles,
+    /// Lightly damped modes that the gyro sees.
+    Resonance,
 }
 
 /// How a parameter is searched: on its own scale, or on the logarithm of it.
