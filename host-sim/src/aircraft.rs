@@ -148,7 +148,10 @@ impl Aircraft {
             let moment =
                 |x: &State| background + self.effects.iter().map(|e| e.moment(middle, x, blade)).sum::<f64>();
             let before = self.state;
-            let dry_friction = self.effects.iter().map(|e| e.dry_friction(&before)).sum();
+            let dry_friction = self.effects.iter().fold([0.0; 2], |[upward, downward], effect| {
+                let added = effect.dry_friction(&before);
+                [upward + added[0], downward + added[1]]
+            });
             let roll_yaw = self.roll_yaw(middle).unwrap_or_default();
             let loads = Loads { plant, blade, dry_friction, moment: &moment, roll_yaw };
             let after = loads.step(&before, dt);
