@@ -7,7 +7,8 @@
 use crate::disturbance::ColouredMoment;
 use crate::effects::{Effect, Motion, Setting};
 use crate::plant::{Loads, Plant, State};
-use crate::reading::{Reading, RollYaw};
+use crate::reading::{Beside, Others, Reading};
+use crate::surroundings::Surroundings;
 
 /// Ts, s.
 pub const SAMPLE_PERIOD_S: f64 = 0.02;
@@ -27,15 +28,58 @@ pub struct Aircraft {
     full_at: Option<f64>,
     /// Command that reaches the servo, rad.
     arrived: f64,
+    around: Around,
+}
+
+/// Where that comes from which goes on beside the pitch axis.
+#[derive(Clone, Debug)]
+enum Around {
+    /// Drawn, as a function of time.
+    Drawn(Surroundings),
+    /// Told before every tick.
+    Given(Beside, Others),
 }
 
 impl Aircraft {
-    /// At rest and level at t = 0. `seed` is for effects that are random themselves.
+    /// At rest and level at t = 0. `seed` is for effects that are random themselves, and for what goes on beside the
+    /// pitch axis where they need it.
     #[must_use]
     pub fn new(plant: Plant, effects: &[Setting], background: Option<ColouredMoment>, seed: u64) -> Self {
-        let effects = effects.iter().map(|setting| setting.build(seed)).collect();
+        let effects: Vec<Box<dyn Effect>> = effects.iter().map(|setting| setting.build(seed)).collect();
+        let needed = effects.iter().fold(Others::default(), |needed, effect| needed.and(effect.others()));
+        let around = Around::Drawn(Surroundings::drawn(seed, needed));
         let (state, commands) = (State::default(), Vec::new());
-        Self { plant, effects, background, state, commands, q_dot: 0.0, full_at: None, arrived: 0.0 }
+        Self { plant, effects, background, state, commands, q_dot: 0.0, full_at: None, arrived: 0.0, around }
+    }
+
+    /// Lets `others` go on beside the pitch axis too, whether an effect needs them or not.
+    #[must_use]
+    pub fn among(self, others: Others, seed: u64) -> Self {
+        let around = Around::Drawn(Surroundings::drawn(seed, self.others().and(others)));
+        Self { around, ..self }
+    }
+
+    /// Takes what goes on beside the pitch axis from outside, until it is told otherwise.
+    pub fn tell(&mut self, now: Beside, others: Others) {
+        self.around = Around::Given(now, others);
+    }
+
+    /// Which signals beside those of the pitch axis there are.
+    #[must_use]
+    pub const fn others(&self) -> Others {
+        match &self.around {
+            Around::Drawn(surroundings) => surroundings.others(),
+            Around::Given(_, others) => *others,
+        }
+    }
+
+    /// What goes on beside the pitch axis at `t`.
+    #[must_use]
+    pub fn beside(&self, t: f64) -> Beside {
+        match &self.around {
+            Around::Drawn(surroundings) => surroundings.at(t),
+            Around::Given(now, _) => *now,
+        }
     }
 
     /// Lets background moment and gyro noise grow with the command, to their full strength at `amplitude_rad`; at
@@ -66,7 +110,9 @@ impl Aircraft {
         self.state = if mounted { state } else { State { q: q_p, q_p, theta: theta_p, theta_p } };
     }
 
-    fn now(&self) -> f64 {
+    /// The time, s.
+    #[must_use]
+    pub fn now(&self) -> f64 {
         self.commands.len() as f64 * SAMPLE_PERIOD_S
     }
 
@@ -74,7 +120,7 @@ impl Aircraft {
     pub fn read(&mut self) -> Reading {
         let t = self.now();
         let (q, theta) = (self.state.q_p, self.state.theta_p);
-        let roll_yaw = self.roll_yaw(t).unwrap_or_default();
+        let roll_yaw = self.beside(t).roll_yaw;
         let mut reading = Reading { q, theta, q_dot: self.q_dot, roll_yaw };
         for effect in &mut self.effects {
             effect.measure(t, &mut reading);
@@ -85,12 +131,6 @@ impl Aircraft {
     /// Limits a reading, after noise was added if there is to be any.
     pub fn limit(&self, reading: &mut Reading) {
         self.effects.iter().for_each(|effect| effect.limit(reading));
-    }
-
-    /// Motion about the other axes at `t`, where an effect frees them.
-    #[must_use]
-    pub fn roll_yaw(&self, t: f64) -> Option<RollYaw> {
-        self.effects.iter().find_map(|effect| effect.roll_yaw(t))
     }
 
     /// The time whose command the log shows at `t`, s.
@@ -141,9 +181,11 @@ impl Aircraft {
         let strength = self.strength();
         for step in 0..steps {
             let t = from + f64::from(step) * dt;
+            let middle = t + dt / 2.0;
+            let beside = self.beside(middle);
+            self.effects.iter_mut().for_each(|effect| effect.beside(&beside));
             let blade = self.effects.iter_mut().fold(command, |u, effect| effect.blade(t, u, dt));
             let plant = self.plant_at(t);
-            let middle = t + dt / 2.0;
             let background = strength * self.background.as_ref().map_or(0.0, |b| b.at(middle));
             let moment =
                 |x: &State| background + self.effects.iter().map(|e| e.moment(middle, x, blade)).sum::<f64>();
@@ -152,7 +194,7 @@ impl Aircraft {
                 let added = effect.dry_friction(&before);
                 [upward + added[0], downward + added[1]]
             });
-            let roll_yaw = self.roll_yaw(middle).unwrap_or_default();
+            let roll_yaw = beside.roll_yaw;
             let loads = Loads { plant, blade, dry_friction, moment: &moment, roll_yaw };
             let after = loads.step(&before, dt);
             if step + 1 == steps {

@@ -23,6 +23,7 @@
 //! | [`aircraft`] | delay, effects and plant over one tick |
 //! | [`disturbance`], [`sensors`], [`pilot`] | coloured moments, measurement noise, the pilot |
 //! | [`air`] | kinds of background |
+//! | [`surroundings`] | roll, yaw, thrust and battery beside the pitch axis |
 //! | [`reading`], [`recording`] | what the IMU reads, and the rows that a rig would log |
 //! | [`trial`] | a case of a proof, drawn by a seed: what is concealed, how large, before which background |
 //! | [`calibrate`] | what an effect costs a model that leaves it out, and the size for a given cost |
@@ -43,6 +44,7 @@ pub mod recording;
 pub mod scenario;
 pub mod seeds;
 pub mod sensors;
+pub mod surroundings;
 pub mod trial;
 pub mod vehicle;
 
@@ -52,4 +54,5 @@ pub use effects::{CATALOGUE, OUTSIDE, Setting, UNTOUCHED};
 pub use error::Error;
 pub use flight::{Flight, fly};
 pub use plant::{Mount, Plant};
+pub use reading::Others;
 pub use scenario::{Background, Scenario};

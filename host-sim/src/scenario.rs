@@ -10,6 +10,7 @@ use crate::air::Air;
 use crate::effects::Setting;
 use crate::error::Error;
 use crate::plant::Plant;
+use crate::reading::Others;
 use crate::sensors::Noise;
 
 /// How much of the pitch rate nothing in the model causes: a band-passed moment, sized so that the true model,
@@ -63,6 +64,8 @@ pub struct Scenario {
     pub noise: Noise,
     /// Whether roll and yaw are logged even where they are clamped, as noise; where they are free they always are.
     pub roll_yaw_logged: bool,
+    /// What moves and is logged beside the pitch axis, apart from what the effects need.
+    pub others: Others,
     /// Durations of the sections.
     pub plan: PlanConfig,
 }
@@ -85,6 +88,7 @@ impl Scenario {
             air: Air::default(),
             noise: Noise::default(),
             roll_yaw_logged: false,
+            others: Others::default(),
             plan: PlanConfig::default(),
         })
     }

@@ -22,6 +22,8 @@ pub enum Stream {
     RollYaw = 7,
     /// Strength of the background, where it wanders.
     Strength = 8,
+    /// Thrust and battery.
+    Surroundings = 9,
 }
 
 /// Generator of `stream` for `seed`.

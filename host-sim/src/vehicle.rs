@@ -92,6 +92,7 @@ impl Vehicle for SimulatedVehicle {
         }
         self.closed_loop_ticks += u32::from(telemetry.section == Section::IV);
         let RollYaw { p, r, phi } = self.reading.roll_yaw;
+        let (others, beside) = (self.aircraft.others(), self.aircraft.beside(t_s));
         self.rows.push(Row {
             t_s,
             u_rad: telemetry.u_rad,
@@ -102,6 +103,9 @@ impl Vehicle for SimulatedVehicle {
             supervised: telemetry.supervised,
             theta_ref_rad: telemetry.theta_ref_rad,
             roll_yaw: self.roll_yaw_generator.as_ref().map(|_| [p as f32, r as f32, phi as f32]),
+            u_roll_rad: others.roll_command.then_some(beside.u_roll as f32),
+            thrust_norm: others.thrust.then_some(beside.thrust as f32),
+            battery_v: others.battery.then_some(beside.battery_v as f32),
         });
     }
 }

@@ -12,7 +12,7 @@
 //! | [`Effect::blade`] | from the delayed command to what the blades do; chained in the order of the list |
 //! | [`Effect::plant`] | parameters that change over time |
 //! | [`Effect::moment`], [`Effect::dry_friction`] | moments on the airframe |
-//! | [`Effect::roll_yaw`] | motion about the other axes |
+//! | [`Effect::others`], [`Effect::beside`] | what goes on beside the pitch axis |
 //! | [`Effect::follow`] | states of the effect's own, after each step |
 //! | [`Effect::measure`] | readings of the IMU, before the noise; chained |
 //! | [`Effect::limit`] | readings after the noise |
@@ -20,8 +20,10 @@
 mod angle_lag;
 mod asymmetric_friction;
 mod asymmetric_servo;
+mod axis_misalignment;
 mod clock_skew;
 mod coulomb_friction;
+mod cross_feed;
 mod cubic_stiffness;
 mod effectiveness_fade;
 mod end_stop;
@@ -54,16 +56,18 @@ mod slung_load;
 mod stribeck_friction;
 mod structural_mode;
 mod thrust_curve;
+mod thrust_dependence;
 mod trim_offset;
 mod unilateral_spring;
 mod unlisted;
 mod untouched;
+mod voltage_droop;
 
 use std::fmt;
 
 use crate::error::Error;
 use crate::plant::{Plant, State};
-use crate::reading::{Reading, RollYaw};
+use crate::reading::{Beside, Others, Reading};
 
 pub use setting::{Setting, SettingTruth};
 
@@ -81,6 +85,9 @@ pub const CATALOGUE: &[Entry] = &[
     servo_second_order::ENTRY,
     asymmetric_servo::ENTRY,
     rotor_reaction::ENTRY,
+    cross_feed::ENTRY,
+    thrust_dependence::ENTRY,
+    voltage_droop::ENTRY,
     coulomb_friction::ENTRY,
     quadratic_drag::ENTRY,
     gravity_stiffness::ENTRY,
@@ -103,6 +110,7 @@ pub const CATALOGUE: &[Entry] = &[
     gyro_saturation::ENTRY,
     imu_mount::ENTRY,
     angle_lag::ENTRY,
+    axis_misalignment::ENTRY,
     gust_disturbance::ENTRY,
     periodic_moment::ENTRY,
 ];
@@ -162,10 +170,13 @@ pub trait Effect: fmt::Debug {
         [0.0; 2]
     }
 
-    /// Motion about the other axes at time `t`; none on a test-bed that frees pitch alone.
-    fn roll_yaw(&self, _t: f64) -> Option<RollYaw> {
-        None
+    /// The signals beside those of the pitch axis that it needs; none on a test-bed that frees pitch alone.
+    fn others(&self) -> Others {
+        Others::default()
     }
+
+    /// Called before each step, with what goes on in its middle beside the pitch axis.
+    fn beside(&mut self, _now: &Beside) {}
 
     /// Carries states of the effect's own over a step that the aircraft has made.
     fn follow(&mut self, _motion: &Motion) {}

@@ -10,7 +10,7 @@ pub(super) const ENTRY: Entry = Entry {
     locus: "actuator",
     parameters: &[
         Parameter { name: "f_hz", unit: "Hz", range: [1.0, 6.5], signed: false },
-        Parameter { name: "zeta", unit: "-", range: [0.05, 0.4], signed: false },
+        Parameter { name: "zeta", unit: "1", range: [0.05, 0.4], signed: false },
     ],
     moderate_and_strong: [3.1, 2.6],
     near: &[],

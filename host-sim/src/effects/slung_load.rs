@@ -18,9 +18,9 @@ pub(super) const ENTRY: Entry = Entry {
     id: "slung_load",
     locus: "pitch_moment",
     parameters: &[
-        Parameter { name: "share", unit: "-", range: [0.02, 0.6], signed: false },
+        Parameter { name: "share", unit: "1", range: [0.02, 0.6], signed: false },
         Parameter { name: "f_hz", unit: "Hz", range: [0.35, 1.2], signed: false },
-        Parameter { name: "zeta", unit: "-", range: [0.01, 0.1], signed: false },
+        Parameter { name: "zeta", unit: "1", range: [0.01, 0.1], signed: false },
     ],
     moderate_and_strong: [0.1, 0.2],
     near: &[],

@@ -10,7 +10,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "T", unit: "s", range: [3.0, 15.0], signed: false },
     ],
     moderate_and_strong: [0.516, 0.63],
-    near: &["effectiveness_fade", "thrust_curve"],
+    near: &["voltage_droop", "effectiveness_fade", "thrust_curve"],
     make: |values, _| {
         Box::new(SaggingSupply { depth: values[0], time_constant_s: values[1].max(1e-3), droop: 0.0 })
     },
