@@ -12,7 +12,7 @@ use crate::surroundings::Surroundings;
 
 /// Ts, s.
 pub const SAMPLE_PERIOD_S: f64 = 0.02;
-/// Longest integration step, s.
+/// Longest integration step where nothing else is asked for, s.
 const STEP_S: f64 = 1e-3;
 
 /// Plant, effects and disturbance, at some time.
@@ -29,13 +29,19 @@ pub struct Aircraft {
     /// Command that reaches the servo, rad.
     arrived: f64,
     around: Around,
+    /// Length of a tick, s.
+    period_s: f64,
+    /// Longest integration step, s.
+    step_s: f64,
+    /// Factor on the background moment.
+    gusts: f64,
 }
 
 /// Where that comes from which goes on beside the pitch axis.
 #[derive(Clone, Debug)]
 enum Around {
     /// Drawn, as a function of time.
-    Drawn(Surroundings),
+    Drawn(Box<Surroundings>),
     /// Told before every tick.
     Given(Beside, Others),
 }
@@ -47,16 +53,45 @@ impl Aircraft {
     pub fn new(plant: Plant, effects: &[Setting], background: Option<ColouredMoment>, seed: u64) -> Self {
         let effects: Vec<Box<dyn Effect>> = effects.iter().map(|setting| setting.build(seed)).collect();
         let needed = effects.iter().fold(Others::default(), |needed, effect| needed.and(effect.others()));
-        let around = Around::Drawn(Surroundings::drawn(seed, needed));
+        let around = Around::Drawn(Box::new(Surroundings::drawn(seed, needed)));
         let (state, commands) = (State::default(), Vec::new());
-        Self { plant, effects, background, state, commands, q_dot: 0.0, full_at: None, arrived: 0.0, around }
+        Self {
+            plant,
+            effects,
+            background,
+            state,
+            commands,
+            q_dot: 0.0,
+            full_at: None,
+            arrived: 0.0,
+            around,
+            period_s: SAMPLE_PERIOD_S,
+            step_s: STEP_S,
+            gusts: 1.0,
+        }
+    }
+
+    /// Holds commands for `period_s` instead of Ts, and integrates in steps of `step_s` at most. To be asked for before
+    /// the first tick.
+    #[must_use]
+    pub fn sampled_every(self, period_s: f64, step_s: f64) -> Self {
+        let around = match self.around {
+            Around::Drawn(surroundings) => Around::Drawn(Box::new(surroundings.held_for(period_s))),
+            given @ Around::Given(..) => given,
+        };
+        Self { period_s, step_s, around, ..self }
+    }
+
+    /// Makes the background moment `factor` times as strong as it was drawn, from now on.
+    pub const fn gust_by(&mut self, factor: f64) {
+        self.gusts = factor;
     }
 
     /// Lets `others` go on beside the pitch axis too, whether an effect needs them or not.
     #[must_use]
     pub fn among(self, others: Others, seed: u64) -> Self {
-        let around = Around::Drawn(Surroundings::drawn(seed, self.others().and(others)));
-        Self { around, ..self }
+        let surroundings = Surroundings::drawn(seed, self.others().and(others)).held_for(self.period_s);
+        Self { around: Around::Drawn(Box::new(surroundings)), ..self }
     }
 
     /// Takes what goes on beside the pitch axis from outside, until it is told otherwise.
@@ -113,7 +148,7 @@ impl Aircraft {
     /// The time, s.
     #[must_use]
     pub fn now(&self) -> f64 {
-        self.commands.len() as f64 * SAMPLE_PERIOD_S
+        self.commands.len() as f64 * self.period_s
     }
 
     /// What the IMU reads now, without noise and beyond its limits. Called once per tick.
@@ -150,7 +185,7 @@ impl Aircraft {
     pub fn advance(&mut self, u: f64) {
         let t = self.now();
         self.commands.push(u);
-        let end = t + SAMPLE_PERIOD_S;
+        let end = t + self.period_s;
         self.effects.iter_mut().for_each(|effect| effect.prepare(end));
         if let Some(background) = &mut self.background {
             background.extend_to(end);
@@ -158,11 +193,11 @@ impl Aircraft {
         let added: f64 = self.effects.iter().map(|effect| effect.delay_s(t)).sum();
         let delay = (self.plant.delay_s + added).max(0.0);
         // the small share keeps 0.06 / 0.02 at three samples
-        let samples = (delay / SAMPLE_PERIOD_S + 1e-9).floor();
-        let change = (delay - samples * SAMPLE_PERIOD_S).max(0.0);
+        let samples = (delay / self.period_s + 1e-9).floor();
+        let change = (delay - samples * self.period_s).max(0.0);
         let samples = samples as usize;
         self.integrate(t, change, self.command(samples + 1));
-        self.integrate(t + change, SAMPLE_PERIOD_S - change, self.command(samples));
+        self.integrate(t + change, self.period_s - change, self.command(samples));
     }
 
     /// The command `age` ticks before the newest, 0 before the first.
@@ -175,7 +210,7 @@ impl Aircraft {
         if length < 1e-9 {
             return;
         }
-        let steps = (length / STEP_S - 1e-6).ceil().max(1.0) as u32;
+        let steps = (length / self.step_s - 1e-6).ceil().max(1.0) as u32;
         let dt = length / f64::from(steps);
         self.arrived = command;
         let strength = self.strength();
@@ -186,7 +221,7 @@ impl Aircraft {
             self.effects.iter_mut().for_each(|effect| effect.beside(&beside));
             let blade = self.effects.iter_mut().fold(command, |u, effect| effect.blade(t, u, dt));
             let plant = self.plant_at(t);
-            let background = strength * self.background.as_ref().map_or(0.0, |b| b.at(middle));
+            let background = strength * self.gusts * self.background.as_ref().map_or(0.0, |b| b.at(middle));
             let moment =
                 |x: &State| background + self.effects.iter().map(|e| e.moment(middle, x, blade)).sum::<f64>();
             let before = self.state;

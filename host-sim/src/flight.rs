@@ -107,7 +107,8 @@ fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Er
     let Others { roll, yaw, .. } = aircraft.others();
     let turns = roll || yaw;
     let log = Aircraft::new(plant, effects, None, seed);
-    let mut vehicle = SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference);
+    let mut vehicle = SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference)
+        .gusty_in(scenario.gusty);
     if scenario.roll_yaw_logged || turns {
         vehicle = vehicle.logging_roll_yaw(generator(seed, Stream::RollYaw));
     }

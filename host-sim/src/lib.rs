@@ -25,6 +25,7 @@
 //! | [`air`] | kinds of background |
 //! | [`surroundings`] | roll, yaw, thrust and battery beside the pitch axis |
 //! | [`reading`], [`recording`] | what the IMU reads, and the rows that a rig would log |
+//! | [`table`], [`dirt`] | a recording of any columns, and what happens to it on the way to a file |
 //! | [`trial`] | a case of a proof, drawn by a seed: what is concealed, how large, before which background |
 //! | [`calibrate`] | what an effect costs a model that leaves it out, and the size for a given cost |
 //!
@@ -33,6 +34,7 @@
 pub mod air;
 pub mod aircraft;
 pub mod calibrate;
+pub mod dirt;
 pub mod disturbance;
 pub mod effects;
 pub mod error;
@@ -45,6 +47,7 @@ pub mod scenario;
 pub mod seeds;
 pub mod sensors;
 pub mod surroundings;
+pub mod table;
 pub mod trial;
 pub mod vehicle;
 
@@ -56,3 +59,4 @@ pub use flight::{Flight, fly};
 pub use plant::{Mount, Plant};
 pub use reading::Others;
 pub use scenario::{Background, Scenario};
+pub use table::Table;

@@ -32,8 +32,11 @@ pub struct Row {
     pub battery_v: Option<f32>,
 }
 
-/// Columns that a recording has where a row has them, and what they hold.
-const OPTIONAL: [(&str, fn(&Row) -> Option<f32>); 6] = [
+/// Name of a column that not every recording has, and what a row has in it.
+pub(crate) type Optional = (&'static str, fn(&Row) -> Option<f32>);
+
+/// Columns that a recording has where a row has them.
+pub(crate) const OPTIONAL: [Optional; 6] = [
     ("p_rad_s", |row| row.roll_yaw.map(|[p, _, _]| p)),
     ("r_rad_s", |row| row.roll_yaw.map(|[_, r, _]| r)),
     ("phi_rad", |row| row.roll_yaw.map(|[_, _, phi]| phi)),

@@ -1,9 +1,9 @@
 //! What to fly.
 
-use estimator_core::Config;
 use estimator_core::constants::CAMPAIGN_DWELL_S;
 use estimator_core::plan::PlanConfig;
 use estimator_core::prbs::PrbsConfig;
+use estimator_core::{Config, Section};
 use serde::{Deserialize, Serialize};
 
 use crate::air::Air;
@@ -60,6 +60,8 @@ pub struct Scenario {
     pub background: Background,
     /// Kind of that disturbance.
     pub air: Air,
+    /// A section in which that disturbance is so many times as strong.
+    pub gusty: Option<(Section, f64)>,
     /// Noise of the IMU.
     pub noise: Noise,
     /// Whether roll and yaw are logged even where they are clamped, as noise; where they are free they always are.
@@ -86,6 +88,7 @@ impl Scenario {
             effects: Vec::new(),
             background: Background::default(),
             air: Air::default(),
+            gusty: None,
             noise: Noise::default(),
             roll_yaw_logged: false,
             others: Others::default(),

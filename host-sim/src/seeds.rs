@@ -24,6 +24,10 @@ pub enum Stream {
     Strength = 8,
     /// Thrust and battery.
     Surroundings = 9,
+    /// What happens to a finished recording.
+    Dirt = 10,
+    /// Excitation and set points of an experiment.
+    Excitation = 11,
 }
 
 /// Generator of `stream` for `seed`.

@@ -45,6 +45,7 @@ pub struct Surroundings {
     rolling: [Tone; TONES],
     yawing: [Tone; TONES],
     climbing: [Tone; TONES],
+    tick_s: f64,
 }
 
 impl Surroundings {
@@ -55,7 +56,13 @@ impl Surroundings {
         let rolling = tones(&mut turning, [4.0, 9.0]);
         let yawing = tones(&mut turning, [2.0, 8.0]);
         let climbing = tones(&mut generator(seed, Stream::Surroundings), [0.3, 1.5]);
-        Self { others, rolling, yawing, climbing }
+        Self { others, rolling, yawing, climbing, tick_s: SAMPLE_PERIOD_S }
+    }
+
+    /// The same, commands held over ticks of `tick_s`.
+    #[must_use]
+    pub const fn held_for(self, tick_s: f64) -> Self {
+        Self { tick_s, ..self }
     }
 
     /// Which there are.
@@ -76,7 +83,7 @@ impl Surroundings {
             now.roll_yaw.r = motion(&self.yawing, t, RATE_RAD_S)[1];
         }
         // the small share keeps the beginning of a tick in it
-        let tick = (t / SAMPLE_PERIOD_S + 1e-6).floor() * SAMPLE_PERIOD_S;
+        let tick = (t / self.tick_s + 1e-6).floor() * self.tick_s;
         if self.others.roll_command {
             let plant = Plant::nominal();
             let [_, p, p_dot] = motion(&self.rolling, tick + plant.delay_s, RATE_RAD_S);
