@@ -9,8 +9,8 @@
 //! for each axis alike, at every tick. The set points θ* are two-level sequences, an independent one for each axis.
 //!
 //! The axes are three aircraft of one simulator. Pitch knows the others: θ̇ = q cos φ − r sin φ, and effects that ask for roll,
-//! yaw, the roll command, thrust or battery get what is flown. Roll and yaw are taken as φ̇ = p and ψ̇ = r, and their
-//! effects see the nominal surroundings.
+//! yaw, the roll command, thrust or battery get what is flown. Roll and yaw are taken as φ̇ = p and ψ̇ = r; to their effects
+//! pitch is what roll is to those of pitch.
 
 use std::f64::consts::TAU;
 
@@ -74,8 +74,9 @@ pub struct Controller {
 const FILTER_S: f64 = 0.01;
 /// Longest integration step, s.
 const STEP_S: f64 = 1e-3;
+const ROLL: usize = 0;
 const PITCH: usize = 1;
-/// What is told to the pitch axis.
+/// What every axis is told.
 const ALL: Others = Others { roll: true, yaw: true, roll_command: true, thrust: true, battery: true };
 
 impl FreeFlight {
@@ -134,13 +135,23 @@ impl FreeFlight {
             let t = k as f64 * self.tick_s;
             let mut now = around.at(t);
             let [roll, yaw] = [0, 2].map(|axis: usize| axes[axis].aircraft.state());
-            now.roll_yaw = RollYaw { p: roll.q, r: yaw.q, phi: roll.theta };
+            let pitch = axes[PITCH].aircraft.state();
+            states.push(pitch);
+            let around_pitch = RollYaw { p: roll.q, r: yaw.q, phi: roll.theta };
+            let around_others = RollYaw { p: pitch.q, ..RollYaw::default() };
+            let mut tell = |axes: &mut [Axis], commands: [f64; 3]| {
+                for (place, axis) in axes.iter_mut().enumerate() {
+                    let (roll_yaw, other) =
+                        if place == PITCH { (around_pitch, ROLL) } else { (around_others, PITCH) };
+                    now = Beside { roll_yaw, u_roll: commands[other], ..now };
+                    axis.aircraft.tell(now, ALL);
+                }
+            };
             // what the gyro of a turned IMU sees is read before the commands of this tick are known
-            axes[PITCH].aircraft.tell(now, ALL);
-            states.push(axes[PITCH].aircraft.state());
+            tell(&mut axes, [0.0; 3]);
             let [roll, pitch, yaw] = [0, 1, 2].map(|axis: usize| axes[axis].react(self, t));
-            axes[PITCH].aircraft.tell(Beside { u_roll: roll[0], ..now }, ALL);
             let sent = [roll, pitch, yaw].map(|[u, ..]| u);
+            tell(&mut axes, sent);
             axes.iter_mut().zip(sent).for_each(|(axis, u)| axis.aircraft.advance(u));
             times.push(t);
             let [[ur, p, phi], [up, q, theta], [uy, r, psi]] = [roll, pitch, yaw];
@@ -291,6 +302,31 @@ mod tests {
             assert!((q[k] - expected).abs() < 1e-9, "{k}: {} {expected}", q[k]);
         }
         assert!(q.iter().any(|q| q.abs() > 0.01));
+    }
+
+    #[test]
+    fn an_imu_that_is_turned_mixes_the_rates_of_both_axes() {
+        let turned = |angle| {
+            let mut flight =
+                FreeFlight { duration_s: 2.0, noise: Noise::none(), ..FreeFlight::new(3).unwrap() };
+            // nobody holds the axes, the air alone moves them
+            flight.controllers = [Controller { angle: 0.0, rate: 0.0, integral: 0.0, derivative: 0.0 }; 3];
+            for (axis, sign) in [(PITCH, 1.0), (ROLL, -1.0)] {
+                let turn = Setting::new("axis_misalignment", &[("angle_deg", sign * angle)]).unwrap();
+                flight.effects[axis].push(turn);
+            }
+            flight.fly().unwrap().table
+        };
+        let (plain, mixed) = (turned(0.0), turned(30.0));
+        let rates =
+            |table: &Table, k: usize| ["p_rad_s", "q_rad_s"].map(|name| table.column(name).unwrap()[k]);
+        let (sine, cosine) = (0.5, 0.75_f64.sqrt());
+        for k in 0..1000 {
+            let ([p, q], [p_seen, q_seen]) = (rates(&plain, k), rates(&mixed, k));
+            assert!((q_seen - (q * cosine + p * sine)).abs() < 1e-9, "{k}");
+            assert!((p_seen - (p * cosine - q * sine)).abs() < 1e-9, "{k}");
+        }
+        assert!(rates(&plain, 999).iter().all(|rate| rate.abs() > 1e-4));
     }
 
     #[test]

@@ -11,7 +11,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "M_up", unit: "N m", range: [0.02, 0.15], signed: false },
         Parameter { name: "M_down", unit: "N m", range: [0.005, 0.02], signed: false },
     ],
-    moderate_and_strong: [0.045, 0.07],
+    moderate_and_strong: [0.0483, 0.0645],
     near: &[],
     make: |values, _| Box::new(AsymmetricFriction([values[0], values[1]])),
 };

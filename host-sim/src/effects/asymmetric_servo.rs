@@ -7,10 +7,10 @@ pub(super) const ENTRY: Entry = Entry {
     id: "asymmetric_servo",
     locus: "actuator",
     parameters: &[
-        Parameter { name: "T_up", unit: "s", range: [0.06, 0.4], signed: false },
+        Parameter { name: "T_up", unit: "s", range: [0.06, 0.22], signed: false },
         Parameter { name: "T_down", unit: "s", range: [0.01, 0.05], signed: false },
     ],
-    moderate_and_strong: [0.1, 0.17],
+    moderate_and_strong: [0.101, 0.155],
     near: &[],
     make: |values, _| Box::new(AsymmetricServo { up_s: values[0], down_s: values[1], position: 0.0 }),
 };

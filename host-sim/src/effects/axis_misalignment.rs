@@ -7,7 +7,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "axis_misalignment",
     locus: "sensor",
     parameters: &[Parameter { name: "angle_deg", unit: "deg", range: [2.0, 30.0], signed: true }],
-    moderate_and_strong: [12.0, 17.0],
+    moderate_and_strong: [6.11, 8.87],
     near: &[],
     make: |values, _| Box::new(AxisMisalignment { angle: values[0].to_radians() }),
 };

@@ -8,7 +8,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "cross_feed",
     locus: "actuator",
     parameters: &[Parameter { name: "c", unit: "N m/unit", range: [0.5, 15.0], signed: true }],
-    moderate_and_strong: [4.0, 6.0],
+    moderate_and_strong: [2.49, 3.85],
     near: &[],
     make: |values, _| Box::new(CrossFeed { gain: values[0], command: 0.0 }),
 };

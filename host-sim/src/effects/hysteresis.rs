@@ -12,7 +12,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "Mh", unit: "N m", range: [0.01, 0.25], signed: false },
         Parameter { name: "k", unit: "N m/rad", range: [0.5, 6.0], signed: false },
     ],
-    moderate_and_strong: [0.03, 0.045],
+    moderate_and_strong: [0.0362, 0.0461],
     near: &[],
     make: |values, _| {
         Box::new(Hysteresis { level: values[0].max(1e-9), stiffness: values[1], z: 0.0, ahead: 0.0 })

@@ -12,7 +12,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "t0", unit: "s", range: [50.0, 70.0], signed: false },
         Parameter { name: "t1", unit: "s", range: [72.0, 90.0], signed: false },
     ],
-    moderate_and_strong: [0.2, 0.235],
+    moderate_and_strong: [0.142, 0.22],
     near: &[],
     make: |values, _| Box::new(MomentStep { moment: values[0], window_s: [values[1], values[2]] }),
 };

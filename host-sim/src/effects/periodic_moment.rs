@@ -14,7 +14,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "f_hz", unit: "Hz", range: [0.16, 2.0], signed: false },
         Parameter { name: "phase", unit: "rad", range: [0.1, 3.0], signed: true },
     ],
-    moderate_and_strong: [0.046, 0.065],
+    moderate_and_strong: [0.0451, 0.0632],
     near: &[],
     make: |values, _| {
         Box::new(PeriodicMoment { amplitude: values[0], omega: TAU * values[1], phase: values[2] })

@@ -8,7 +8,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "rotor_reaction",
     locus: "actuator",
     parameters: &[Parameter { name: "Jr", unit: "N m s/unit", range: [0.1, 4.0], signed: false }],
-    moderate_and_strong: [1.0, 1.6],
+    moderate_and_strong: [1.67, 2.27],
     near: &[],
     make: |values, _| Box::new(RotorReaction { inertia: values[0], last: 0.0, slope: 0.0 }),
 };

@@ -9,10 +9,10 @@ pub(super) const ENTRY: Entry = Entry {
     id: "servo_second_order",
     locus: "actuator",
     parameters: &[
-        Parameter { name: "f_hz", unit: "Hz", range: [1.0, 6.5], signed: false },
+        Parameter { name: "f_hz", unit: "Hz", range: [1.8, 6.5], signed: false },
         Parameter { name: "zeta", unit: "1", range: [0.05, 0.4], signed: false },
     ],
-    moderate_and_strong: [3.1, 2.6],
+    moderate_and_strong: [3.06, 2.58],
     near: &[],
     make: |values, _| {
         let omega = TAU * values[0];

@@ -22,7 +22,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "f_hz", unit: "Hz", range: [0.35, 1.2], signed: false },
         Parameter { name: "zeta", unit: "1", range: [0.01, 0.1], signed: false },
     ],
-    moderate_and_strong: [0.1, 0.2],
+    moderate_and_strong: [0.114, 0.159],
     near: &[],
     make: |values, _| {
         let (omega, zeta) = (TAU * values[1], values[2]);

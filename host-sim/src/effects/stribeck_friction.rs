@@ -12,7 +12,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "Mc", unit: "N m", range: [0.005, 0.03], signed: false },
         Parameter { name: "qs", unit: "rad/s", range: [0.05, 0.2], signed: false },
     ],
-    moderate_and_strong: [0.0406, 0.0541],
+    moderate_and_strong: [0.0378, 0.0496],
     near: &[],
     make: |values, _| {
         Box::new(StribeckFriction { breakaway: values[0], sliding: values[1], rate: values[2].max(1e-6) })

@@ -8,7 +8,7 @@ pub(super) const ENTRY: Entry = Entry {
     id: "thrust_dependence",
     locus: "actuator",
     parameters: &[Parameter { name: "k", unit: "1", range: [0.2, 2.0], signed: true }],
-    moderate_and_strong: [1.1, 1.6],
+    moderate_and_strong: [1.12, 1.42],
     near: &[],
     make: |values, _| Box::new(ThrustDependence { gain: values[0], above: 0.0 }),
 };

@@ -11,7 +11,7 @@ pub(super) const ENTRY: Entry = Entry {
         Parameter { name: "k", unit: "N m/rad", range: [0.1, 5.0], signed: false },
         Parameter { name: "theta_0", unit: "rad", range: [0.005, 0.1], signed: true },
     ],
-    moderate_and_strong: [0.3, 0.5],
+    moderate_and_strong: [0.241, 0.357],
     near: &[],
     make: |values, _| Box::new(UnilateralSpring { stiffness: values[0], slack_until: values[1] }),
 };

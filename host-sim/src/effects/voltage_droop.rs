@@ -6,8 +6,8 @@ use crate::plant::Plant;
 pub(super) const ENTRY: Entry = Entry {
     id: "voltage_droop",
     locus: "actuator",
-    parameters: &[Parameter { name: "n", unit: "1", range: [0.5, 6.0], signed: false }],
-    moderate_and_strong: [2.5, 4.0],
+    parameters: &[Parameter { name: "n", unit: "1", range: [0.5, 4.0], signed: false }],
+    moderate_and_strong: [1.59, 2.44],
     near: &[],
     make: |values, _| Box::new(VoltageDroop { power: values[0], ratio: 1.0 }),
 };

@@ -12,7 +12,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "a", unit: "rad", range: [0.001, 0.015], signed: false },
         Parameter { name: "f_hz", unit: "Hz", range: [0.4, 2.0], signed: false },
     ],
-    moderate_and_strong: [0.003, 0.0045],
+    moderate_and_strong: [0.0028, 0.004],
     near: &["periodic_moment", "servo_second_order"],
     make: |values, _| {
         let amplitude = values[0].max(1e-9);

@@ -10,7 +10,7 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
         Parameter { name: "Mc", unit: "N m", range: [0.03, 0.3], signed: false },
         Parameter { name: "theta_e", unit: "rad", range: [0.05, 0.15], signed: false },
     ],
-    moderate_and_strong: [0.06, 0.12],
+    moderate_and_strong: [0.0557, 0.0653],
     near: &["coulomb_friction", "end_stop"],
     make: |values, _| Box::new(StickyEnd { level: values[0], angle: values[1] }),
 };
