@@ -138,7 +138,7 @@ fn clocks_that_drift_are_all_that_is_named() {
 #[test]
 fn what_no_catalogue_lists_is_called_unlisted() {
     const OUTSIDE: [&str; 4] =
-        ["vibration_rectification", "periodic_moment", "gust_burst", "hysteretic_spring"];
+        ["vibration_rectification", "angle_damping", "gust_burst", "command_quantiser"];
     let outside = |seed: u64| {
         let setting = Setting::usual(OUTSIDE[seed as usize], true).expect("the simulator knows it");
         let bare = scenario(400 + seed, Background::Clean);

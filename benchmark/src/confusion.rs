@@ -138,18 +138,18 @@ mod tests {
             of("effect", &["servo_lag"], "named", &["gyro_lag"]),
             of("effect", &["servo_lag"], "ambiguous", &["servo_lag"]),
             of("nothing", &[], "no_mismatch", &[]),
-            of("outside", &["moment_window"], "unlisted", &["unlisted"]),
+            of("outside", &["gust_burst"], "unlisted", &["unlisted"]),
             of("pair", &["servo_lag", "gyro_lag"], "named", &["servo_lag"]),
         ];
         let matrix = Matrix::new(&outcomes);
-        assert_eq!(matrix.rows, ["servo_lag", NOTHING, "moment_window"]);
+        assert_eq!(matrix.rows, ["servo_lag", NOTHING, "gust_burst"]);
         let at = |row: &str, column: &str| {
             let row = matrix.rows.iter().position(|r| *r == row).unwrap();
             matrix.counts[row][matrix.columns.iter().position(|c| *c == column).unwrap()]
         };
         assert_eq!((at("servo_lag", "servo_lag"), at("servo_lag", "gyro_lag")), (1, 1));
         assert_eq!((at("servo_lag", OTHERS[0]), at(NOTHING, "no_mismatch")), (1, 1));
-        assert_eq!(at("moment_window", "unlisted"), 1);
+        assert_eq!(at("gust_burst", "unlisted"), 1);
         assert_eq!(matrix.counts.iter().flatten().sum::<usize>(), 5);
         assert_eq!(
             svg(&outcomes).matches("class=\"on\"").count()

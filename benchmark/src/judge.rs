@@ -329,7 +329,7 @@ pub mod tests {
         let answered = |kind: &str, verdict: &str, remainder: Value| {
             let mut said = said(verdict, &["servo_lag"], &[]);
             said.remainder = remainder;
-            let found = judged(&truth(kind, &["moment_window"], "lab"), &said);
+            let found = judged(&truth(kind, &["gust_burst"], "lab"), &said);
             (found.unlisted, found.confidently_wrong)
         };
         let kept = json!({"size": 0.1});

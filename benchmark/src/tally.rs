@@ -280,11 +280,7 @@ mod tests {
             judge(&drag, Some(&said("named", &["quadratic_drag"], &[])), &beside(&[&["quadratic_drag"]])),
             judge(&drag, Some(&said("no_mismatch", &[], &[])), &beside(&[])),
             judge(&truth("nothing", &[], "paper"), Some(&said("no_mismatch", &[], &[])), &beside(&[])),
-            judge(
-                &truth("outside", &["moment_window"], "lab"),
-                Some(&said("unlisted", &[], &[])),
-                &beside(&[]),
-            ),
+            judge(&truth("outside", &["gust_burst"], "lab"), Some(&said("unlisted", &[], &[])), &beside(&[])),
         ]
     }
 

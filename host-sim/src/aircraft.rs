@@ -7,11 +7,12 @@
 use crate::disturbance::ColouredMoment;
 use crate::effects::{Effect, Motion, Setting};
 use crate::plant::{Loads, Plant, State};
-use crate::reading::{Reading, RollYaw};
+use crate::reading::{Beside, Others, Reading};
+use crate::surroundings::Surroundings;
 
 /// Ts, s.
 pub const SAMPLE_PERIOD_S: f64 = 0.02;
-/// Longest integration step, s.
+/// Longest integration step where nothing else is asked for, s.
 const STEP_S: f64 = 1e-3;
 
 /// Plant, effects and disturbance, at some time.
@@ -27,15 +28,93 @@ pub struct Aircraft {
     full_at: Option<f64>,
     /// Command that reaches the servo, rad.
     arrived: f64,
+    around: Around,
+    /// Length of a tick, s.
+    period_s: f64,
+    /// Longest integration step, s.
+    step_s: f64,
+    /// Factor on the background moment.
+    gusts: f64,
+}
+
+/// Where that comes from which goes on beside the pitch axis.
+#[derive(Clone, Debug)]
+enum Around {
+    /// Drawn, as a function of time.
+    Drawn(Box<Surroundings>),
+    /// Told before every tick.
+    Given(Beside, Others),
 }
 
 impl Aircraft {
-    /// At rest and level at t = 0. `seed` is for effects that are random themselves.
+    /// At rest and level at t = 0. `seed` is for effects that are random themselves, and for what goes on beside the
+    /// pitch axis where they need it.
     #[must_use]
     pub fn new(plant: Plant, effects: &[Setting], background: Option<ColouredMoment>, seed: u64) -> Self {
-        let effects = effects.iter().map(|setting| setting.build(seed)).collect();
+        let effects: Vec<Box<dyn Effect>> = effects.iter().map(|setting| setting.build(seed)).collect();
+        let needed = effects.iter().fold(Others::default(), |needed, effect| needed.and(effect.others()));
+        let around = Around::Drawn(Box::new(Surroundings::drawn(seed, needed)));
         let (state, commands) = (State::default(), Vec::new());
-        Self { plant, effects, background, state, commands, q_dot: 0.0, full_at: None, arrived: 0.0 }
+        Self {
+            plant,
+            effects,
+            background,
+            state,
+            commands,
+            q_dot: 0.0,
+            full_at: None,
+            arrived: 0.0,
+            around,
+            period_s: SAMPLE_PERIOD_S,
+            step_s: STEP_S,
+            gusts: 1.0,
+        }
+    }
+
+    /// Holds commands for `period_s` instead of Ts, and integrates in steps of `step_s` at most. To be asked for before
+    /// the first tick.
+    #[must_use]
+    pub fn sampled_every(self, period_s: f64, step_s: f64) -> Self {
+        let around = match self.around {
+            Around::Drawn(surroundings) => Around::Drawn(Box::new(surroundings.held_for(period_s))),
+            given @ Around::Given(..) => given,
+        };
+        Self { period_s, step_s, around, ..self }
+    }
+
+    /// Makes the background moment `factor` times as strong as it was drawn, from now on.
+    pub const fn gust_by(&mut self, factor: f64) {
+        self.gusts = factor;
+    }
+
+    /// Lets `others` go on beside the pitch axis too, whether an effect needs them or not.
+    #[must_use]
+    pub fn among(self, others: Others, seed: u64) -> Self {
+        let surroundings = Surroundings::drawn(seed, self.others().and(others)).held_for(self.period_s);
+        Self { around: Around::Drawn(Box::new(surroundings)), ..self }
+    }
+
+    /// Takes what goes on beside the pitch axis from outside, until it is told otherwise.
+    pub fn tell(&mut self, now: Beside, others: Others) {
+        self.around = Around::Given(now, others);
+    }
+
+    /// Which signals beside those of the pitch axis there are.
+    #[must_use]
+    pub const fn others(&self) -> Others {
+        match &self.around {
+            Around::Drawn(surroundings) => surroundings.others(),
+            Around::Given(_, others) => *others,
+        }
+    }
+
+    /// What goes on beside the pitch axis at `t`.
+    #[must_use]
+    pub fn beside(&self, t: f64) -> Beside {
+        match &self.around {
+            Around::Drawn(surroundings) => surroundings.at(t),
+            Around::Given(now, _) => *now,
+        }
     }
 
     /// Lets background moment and gyro noise grow with the command, to their full strength at `amplitude_rad`; at
@@ -66,15 +145,17 @@ impl Aircraft {
         self.state = if mounted { state } else { State { q: q_p, q_p, theta: theta_p, theta_p } };
     }
 
-    fn now(&self) -> f64 {
-        self.commands.len() as f64 * SAMPLE_PERIOD_S
+    /// The time, s.
+    #[must_use]
+    pub fn now(&self) -> f64 {
+        self.commands.len() as f64 * self.period_s
     }
 
     /// What the IMU reads now, without noise and beyond its limits. Called once per tick.
     pub fn read(&mut self) -> Reading {
         let t = self.now();
         let (q, theta) = (self.state.q_p, self.state.theta_p);
-        let roll_yaw = self.roll_yaw(t).unwrap_or_default();
+        let roll_yaw = self.beside(t).roll_yaw;
         let mut reading = Reading { q, theta, q_dot: self.q_dot, roll_yaw };
         for effect in &mut self.effects {
             effect.measure(t, &mut reading);
@@ -85,12 +166,6 @@ impl Aircraft {
     /// Limits a reading, after noise was added if there is to be any.
     pub fn limit(&self, reading: &mut Reading) {
         self.effects.iter().for_each(|effect| effect.limit(reading));
-    }
-
-    /// Motion about the other axes at `t`, where an effect frees them.
-    #[must_use]
-    pub fn roll_yaw(&self, t: f64) -> Option<RollYaw> {
-        self.effects.iter().find_map(|effect| effect.roll_yaw(t))
     }
 
     /// The time whose command the log shows at `t`, s.
@@ -110,7 +185,7 @@ impl Aircraft {
     pub fn advance(&mut self, u: f64) {
         let t = self.now();
         self.commands.push(u);
-        let end = t + SAMPLE_PERIOD_S;
+        let end = t + self.period_s;
         self.effects.iter_mut().for_each(|effect| effect.prepare(end));
         if let Some(background) = &mut self.background {
             background.extend_to(end);
@@ -118,11 +193,11 @@ impl Aircraft {
         let added: f64 = self.effects.iter().map(|effect| effect.delay_s(t)).sum();
         let delay = (self.plant.delay_s + added).max(0.0);
         // the small share keeps 0.06 / 0.02 at three samples
-        let samples = (delay / SAMPLE_PERIOD_S + 1e-9).floor();
-        let change = (delay - samples * SAMPLE_PERIOD_S).max(0.0);
+        let samples = (delay / self.period_s + 1e-9).floor();
+        let change = (delay - samples * self.period_s).max(0.0);
         let samples = samples as usize;
         self.integrate(t, change, self.command(samples + 1));
-        self.integrate(t + change, SAMPLE_PERIOD_S - change, self.command(samples));
+        self.integrate(t + change, self.period_s - change, self.command(samples));
     }
 
     /// The command `age` ticks before the newest, 0 before the first.
@@ -135,21 +210,26 @@ impl Aircraft {
         if length < 1e-9 {
             return;
         }
-        let steps = (length / STEP_S - 1e-6).ceil().max(1.0) as u32;
+        let steps = (length / self.step_s - 1e-6).ceil().max(1.0) as u32;
         let dt = length / f64::from(steps);
         self.arrived = command;
         let strength = self.strength();
         for step in 0..steps {
             let t = from + f64::from(step) * dt;
+            let middle = t + dt / 2.0;
+            let beside = self.beside(middle);
+            self.effects.iter_mut().for_each(|effect| effect.beside(&beside));
             let blade = self.effects.iter_mut().fold(command, |u, effect| effect.blade(t, u, dt));
             let plant = self.plant_at(t);
-            let middle = t + dt / 2.0;
-            let background = strength * self.background.as_ref().map_or(0.0, |b| b.at(middle));
+            let background = strength * self.gusts * self.background.as_ref().map_or(0.0, |b| b.at(middle));
             let moment =
                 |x: &State| background + self.effects.iter().map(|e| e.moment(middle, x, blade)).sum::<f64>();
             let before = self.state;
-            let dry_friction = self.effects.iter().map(|e| e.dry_friction(&before)).sum();
-            let roll_yaw = self.roll_yaw(middle).unwrap_or_default();
+            let dry_friction = self.effects.iter().fold([0.0; 2], |[upward, downward], effect| {
+                let added = effect.dry_friction(&before);
+                [upward + added[0], downward + added[1]]
+            });
+            let roll_yaw = beside.roll_yaw;
             let loads = Loads { plant, blade, dry_friction, moment: &moment, roll_yaw };
             let after = loads.step(&before, dt);
             if step + 1 == steps {

@@ -14,6 +14,7 @@ use crate::effects::SettingTruth;
 use crate::error::Error;
 use crate::pilot::ManualReference;
 use crate::plant::{Plant, State};
+use crate::reading::Others;
 use crate::recording::{Row, to_csv};
 use crate::scenario::{Background, Scenario};
 use crate::seeds::{Stream, generator};
@@ -98,13 +99,17 @@ fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Er
     let mut state = cycle.initial_state();
     let length_s = f64::from(plan.closed_loop_s);
     let reference = ManualReference::drawn(length_s, &mut generator(seed, Stream::Reference));
-    let mut aircraft = Aircraft::new(plant, effects, background.moment(seed), seed);
+    let aircraft = Aircraft::new(plant, effects, background.moment(seed), seed);
+    let mut aircraft = aircraft.among(scenario.others, seed);
     if background.air == Air::GrowsWithCommand {
         aircraft = aircraft.growing_with_command(f64::from(scenario.amplitude_rad));
     }
+    let Others { roll, yaw, .. } = aircraft.others();
+    let turns = roll || yaw;
     let log = Aircraft::new(plant, effects, None, seed);
-    let mut vehicle = SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference);
-    if scenario.roll_yaw_logged || log.roll_yaw(0.0).is_some() {
+    let mut vehicle = SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference)
+        .gusty_in(scenario.gusty);
+    if scenario.roll_yaw_logged || turns {
         vehicle = vehicle.logging_roll_yaw(generator(seed, Stream::RollYaw));
     }
     let outcome = estimator_core::fly(&cycle, &mut state, &mut vehicle);

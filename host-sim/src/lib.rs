@@ -23,7 +23,11 @@
 //! | [`aircraft`] | delay, effects and plant over one tick |
 //! | [`disturbance`], [`sensors`], [`pilot`] | coloured moments, measurement noise, the pilot |
 //! | [`air`] | kinds of background |
+//! | [`surroundings`] | roll, yaw, thrust and battery beside the pitch axis |
 //! | [`reading`], [`recording`] | what the IMU reads, and the rows that a rig would log |
+//! | [`bench`], [`excitation`] | tests without the core: steps, ring-downs, tones, dead tails, any rate of the log |
+//! | [`free_flight`] | three axes under a controller of 500 Hz |
+//! | [`table`], [`dirt`] | a recording of any columns, and what happens to it on the way to a file |
 //! | [`trial`] | a case of a proof, drawn by a seed: what is concealed, how large, before which background |
 //! | [`calibrate`] | what an effect costs a model that leaves it out, and the size for a given cost |
 //!
@@ -31,11 +35,15 @@
 
 pub mod air;
 pub mod aircraft;
+pub mod bench;
 pub mod calibrate;
+pub mod dirt;
 pub mod disturbance;
 pub mod effects;
 pub mod error;
+pub mod excitation;
 pub mod flight;
+pub mod free_flight;
 pub mod pilot;
 pub mod plant;
 pub mod reading;
@@ -43,13 +51,20 @@ pub mod recording;
 pub mod scenario;
 pub mod seeds;
 pub mod sensors;
+pub mod surroundings;
+pub mod table;
 pub mod trial;
 pub mod vehicle;
 
 pub use air::Air;
+pub use bench::{Bench, Logged};
 pub use calibrate::{cost_of_leaving_out, size_for_loss};
 pub use effects::{CATALOGUE, OUTSIDE, Setting, UNTOUCHED};
 pub use error::Error;
+pub use excitation::Input;
 pub use flight::{Flight, fly};
+pub use free_flight::FreeFlight;
 pub use plant::{Mount, Plant};
+pub use reading::Others;
 pub use scenario::{Background, Scenario};
+pub use table::Table;

@@ -24,7 +24,26 @@ pub struct Row {
     pub theta_ref_rad: f32,
     /// Roll rate (rad/s), yaw rate (rad/s) and roll angle (rad), where they are logged.
     pub roll_yaw: Option<[f32; 3]>,
+    /// Command of the roll axis (rad), where it is logged.
+    pub u_roll_rad: Option<f32>,
+    /// Collective command, as a share of full thrust, where it is logged.
+    pub thrust_norm: Option<f32>,
+    /// Supply voltage (V), where it is logged.
+    pub battery_v: Option<f32>,
 }
+
+/// Name of a column that not every recording has, and what a row has in it.
+pub(crate) type Optional = (&'static str, fn(&Row) -> Option<f32>);
+
+/// Columns that a recording has where a row has them.
+pub(crate) const OPTIONAL: [Optional; 6] = [
+    ("p_rad_s", |row| row.roll_yaw.map(|[p, _, _]| p)),
+    ("r_rad_s", |row| row.roll_yaw.map(|[_, r, _]| r)),
+    ("phi_rad", |row| row.roll_yaw.map(|[_, _, phi]| phi)),
+    ("u_roll_rad", |row| row.u_roll_rad),
+    ("thrust_norm", |row| row.thrust_norm),
+    ("battery_v", |row| row.battery_v),
+];
 
 /// The recording as text, under a comment line. Numbers are written in full, so reading them back gives the
 /// very samples that the core saw.
@@ -32,8 +51,10 @@ pub struct Row {
 pub fn to_csv(rows: &[Row], comment: &str) -> String {
     let mut text = format!("# {comment}\n");
     text.push_str("t_s,u_rad,q_rad_s,theta_rad,qdot_rad_s2,section,supervised,theta_ref_rad");
-    let roll_yaw_logged = rows.iter().any(|row| row.roll_yaw.is_some());
-    text.push_str(if roll_yaw_logged { ",p_rad_s,r_rad_s,phi_rad\n" } else { "\n" });
+    let logged = OPTIONAL.map(|(_, value)| rows.iter().any(|row| value(row).is_some()));
+    let optional = || OPTIONAL.iter().zip(logged).filter(|(_, logged)| *logged).map(|(column, _)| column);
+    optional().for_each(|(name, _)| text.extend([",", name]));
+    text.push('\n');
     for row in rows {
         let Row { t_s, u_rad, q_rad_s, theta_rad, qdot_rad_s2, section, supervised, theta_ref_rad, .. } = row;
         let supervised = u8::from(*supervised);
@@ -42,9 +63,8 @@ pub fn to_csv(rows: &[Row], comment: &str) -> String {
             text,
             "{t_s:.2},{u_rad},{q_rad_s},{theta_rad},{qdot_rad_s2},{section},{supervised},{theta_ref_rad}"
         );
-        if roll_yaw_logged {
-            let [p, r, phi] = row.roll_yaw.unwrap_or_default();
-            let _ = write!(text, ",{p},{r},{phi}");
+        for (_, value) in optional() {
+            let _ = write!(text, ",{}", value(row).unwrap_or_default());
         }
         text.push('\n');
     }
@@ -67,6 +87,9 @@ mod tests {
             supervised: true,
             theta_ref_rad: 0.0,
             roll_yaw: None,
+            u_roll_rad: None,
+            thrust_norm: None,
+            battery_v: None,
         };
         let text = to_csv(&[row], "one row");
         let fields: Vec<&str> = text.lines().nth(2).unwrap().split(',').collect();

@@ -1,15 +1,16 @@
 //! What to fly.
 
-use estimator_core::Config;
 use estimator_core::constants::CAMPAIGN_DWELL_S;
 use estimator_core::plan::PlanConfig;
 use estimator_core::prbs::PrbsConfig;
+use estimator_core::{Config, Section};
 use serde::{Deserialize, Serialize};
 
 use crate::air::Air;
 use crate::effects::Setting;
 use crate::error::Error;
 use crate::plant::Plant;
+use crate::reading::Others;
 use crate::sensors::Noise;
 
 /// How much of the pitch rate nothing in the model causes: a band-passed moment, sized so that the true model,
@@ -59,10 +60,14 @@ pub struct Scenario {
     pub background: Background,
     /// Kind of that disturbance.
     pub air: Air,
+    /// A section in which that disturbance is so many times as strong.
+    pub gusty: Option<(Section, f64)>,
     /// Noise of the IMU.
     pub noise: Noise,
     /// Whether roll and yaw are logged even where they are clamped, as noise; where they are free they always are.
     pub roll_yaw_logged: bool,
+    /// What moves and is logged beside the pitch axis, apart from what the effects need.
+    pub others: Others,
     /// Durations of the sections.
     pub plan: PlanConfig,
 }
@@ -83,8 +88,10 @@ impl Scenario {
             effects: Vec::new(),
             background: Background::default(),
             air: Air::default(),
+            gusty: None,
             noise: Noise::default(),
             roll_yaw_logged: false,
+            others: Others::default(),
             plan: PlanConfig::default(),
         })
     }

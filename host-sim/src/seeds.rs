@@ -22,6 +22,12 @@ pub enum Stream {
     RollYaw = 7,
     /// Strength of the background, where it wanders.
     Strength = 8,
+    /// Thrust and battery.
+    Surroundings = 9,
+    /// What happens to a finished recording.
+    Dirt = 10,
+    /// Excitation and set points of an experiment.
+    Excitation = 11,
 }
 
 /// Generator of `stream` for `seed`.

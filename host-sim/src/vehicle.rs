@@ -19,6 +19,7 @@ pub struct SimulatedVehicle {
     noise: Noise,
     generator: Pcg64,
     roll_yaw_generator: Option<Pcg64>,
+    gusty: Option<(Section, f64)>,
     reference: ManualReference,
     closed_loop_ticks: u32,
     reading: Reading,
@@ -36,6 +37,7 @@ impl SimulatedVehicle {
             noise,
             generator,
             roll_yaw_generator: None,
+            gusty: None,
             reference,
             closed_loop_ticks: 0,
             reading: Reading::default(),
@@ -49,6 +51,12 @@ impl SimulatedVehicle {
     #[must_use]
     pub fn logging_roll_yaw(self, generator: Pcg64) -> Self {
         Self { roll_yaw_generator: Some(generator), ..self }
+    }
+
+    /// Makes the background moment so many times as strong in one section.
+    #[must_use]
+    pub fn gusty_in(self, gusty: Option<(Section, f64)>) -> Self {
+        Self { gusty, ..self }
     }
 
     /// Rows of the recording, the true state at each of them, and the supervisor's transitions with their
@@ -92,6 +100,10 @@ impl Vehicle for SimulatedVehicle {
         }
         self.closed_loop_ticks += u32::from(telemetry.section == Section::IV);
         let RollYaw { p, r, phi } = self.reading.roll_yaw;
+        if let Some((section, factor)) = self.gusty {
+            self.aircraft.gust_by(if telemetry.section == section { factor } else { 1.0 });
+        }
+        let (others, beside) = (self.aircraft.others(), self.aircraft.beside(t_s));
         self.rows.push(Row {
             t_s,
             u_rad: telemetry.u_rad,
@@ -102,6 +114,9 @@ impl Vehicle for SimulatedVehicle {
             supervised: telemetry.supervised,
             theta_ref_rad: telemetry.theta_ref_rad,
             roll_yaw: self.roll_yaw_generator.as_ref().map(|_| [p as f32, r as f32, phi as f32]),
+            u_roll_rad: others.roll_command.then_some(beside.u_roll as f32),
+            thrust_norm: others.thrust.then_some(beside.thrust as f32),
+            battery_v: others.battery.then_some(beside.battery_v as f32),
         });
     }
 }

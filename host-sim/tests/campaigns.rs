@@ -4,7 +4,7 @@ use estimator_core::{Phase, Section};
 use host_sim::calibrate::{Strength, draw_effect, simulate, vaf};
 use host_sim::effects::every;
 use host_sim::sensors::Noise;
-use host_sim::{Air, Background, Flight, Plant, Scenario, Setting, fly, size_for_loss};
+use host_sim::{Air, Background, Flight, Others, Plant, Scenario, Setting, Table, fly, size_for_loss};
 use std::collections::BTreeSet;
 
 const EXCITED: [Section; 3] = [Section::I, Section::II, Section::III];
@@ -170,4 +170,28 @@ fn every_air_can_be_flown_and_is_told_in_the_truth_alone() {
         let hashes: BTreeSet<u64> = flights.iter().map(hash).collect();
         assert_eq!(hashes.len(), Air::ALL.len());
     }
+}
+
+#[test]
+fn a_gust_in_one_section_shakes_that_section_alone() {
+    let scenario = |gusty| Scenario { gusty, ..Scenario::campaign(4, 0.015, 3).unwrap() };
+    let [plain, gusty] = [None, Some((Section::II, 4.0))].map(|gusty| fly(&scenario(gusty)).unwrap());
+    let missed = |flight: &Flight, section| {
+        let simulated = simulate(flight.truth.plant, &[], 3, flight);
+        vaf(flight, &simulated, section)
+    };
+    assert_eq!(missed(&plain, Section::I), missed(&gusty, Section::I));
+    assert!(missed(&gusty, Section::II) < missed(&plain, Section::II) - 20.0);
+    assert!((missed(&gusty, Section::III) - missed(&plain, Section::III)).abs() < 10.0);
+}
+
+#[test]
+fn what_goes_on_beside_the_pitch_axis_is_logged_where_it_is_asked_for() {
+    let others = Others { roll: true, yaw: true, roll_command: true, thrust: true, battery: true };
+    let flight = fly(&Scenario { others, ..Scenario::campaign(4, 0.015, 3).unwrap() }).unwrap();
+    let recording = flight.recording();
+    assert!(recording.contains(",p_rad_s,r_rad_s,phi_rad,u_roll_rad,thrust_norm,battery_v\n"));
+    let table = Table::of(&flight);
+    let moves = |name| table.column(name).unwrap().windows(2).any(|pair| pair[0] != pair[1]);
+    assert!(["p_rad_s", "u_roll_rad", "thrust_norm", "battery_v"].into_iter().all(moves));
 }

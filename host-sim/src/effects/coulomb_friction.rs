@@ -18,7 +18,7 @@ struct CoulombFriction {
 }
 
 impl Effect for CoulombFriction {
-    fn dry_friction(&self, _x: &State) -> f64 {
-        self.level
+    fn dry_friction(&self, _x: &State) -> [f64; 2] {
+        [self.level; 2]
     }
 }

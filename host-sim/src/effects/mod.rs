@@ -12,13 +12,18 @@
 //! | [`Effect::blade`] | from the delayed command to what the blades do; chained in the order of the list |
 //! | [`Effect::plant`] | parameters that change over time |
 //! | [`Effect::moment`], [`Effect::dry_friction`] | moments on the airframe |
-//! | [`Effect::roll_yaw`] | motion about the other axes |
+//! | [`Effect::others`], [`Effect::beside`] | what goes on beside the pitch axis |
 //! | [`Effect::follow`] | states of the effect's own, after each step |
 //! | [`Effect::measure`] | readings of the IMU, before the noise; chained |
 //! | [`Effect::limit`] | readings after the noise |
 
+mod angle_lag;
+mod asymmetric_friction;
+mod asymmetric_servo;
+mod axis_misalignment;
 mod clock_skew;
 mod coulomb_friction;
+mod cross_feed;
 mod cubic_stiffness;
 mod effectiveness_fade;
 mod end_stop;
@@ -30,29 +35,39 @@ mod gyro_lag;
 mod gyro_saturation;
 mod gyro_scale;
 mod gyroscopic_coupling;
+mod hysteresis;
 mod imu_mount;
 mod inertia_step;
 mod inflow_lag;
 mod linkage_backlash;
+mod moment_step;
 mod oscillator;
 mod outside;
+mod periodic_moment;
 mod quadratic_drag;
+mod rotor_reaction;
 mod servo_deadband;
 mod servo_lag;
 mod servo_rate_limit;
 mod servo_saturation;
+mod servo_second_order;
 mod setting;
+mod slung_load;
+mod stribeck_friction;
 mod structural_mode;
 mod thrust_curve;
+mod thrust_dependence;
 mod trim_offset;
+mod unilateral_spring;
 mod unlisted;
 mod untouched;
+mod voltage_droop;
 
 use std::fmt;
 
 use crate::error::Error;
 use crate::plant::{Plant, State};
-use crate::reading::{Reading, RollYaw};
+use crate::reading::{Beside, Others, Reading};
 
 pub use setting::{Setting, SettingTruth};
 
@@ -67,6 +82,12 @@ pub const CATALOGUE: &[Entry] = &[
     thrust_curve::ENTRY,
     inflow_lag::ENTRY,
     effectiveness_fade::ENTRY,
+    servo_second_order::ENTRY,
+    asymmetric_servo::ENTRY,
+    rotor_reaction::ENTRY,
+    cross_feed::ENTRY,
+    thrust_dependence::ENTRY,
+    voltage_droop::ENTRY,
     coulomb_friction::ENTRY,
     quadratic_drag::ENTRY,
     gravity_stiffness::ENTRY,
@@ -75,6 +96,12 @@ pub const CATALOGUE: &[Entry] = &[
     structural_mode::ENTRY,
     gyroscopic_coupling::ENTRY,
     inertia_step::ENTRY,
+    stribeck_friction::ENTRY,
+    asymmetric_friction::ENTRY,
+    hysteresis::ENTRY,
+    unilateral_spring::ENTRY,
+    slung_load::ENTRY,
+    moment_step::ENTRY,
     extra_delay::ENTRY,
     clock_skew::ENTRY,
     gyro_bias::ENTRY,
@@ -82,30 +109,28 @@ pub const CATALOGUE: &[Entry] = &[
     gyro_lag::ENTRY,
     gyro_saturation::ENTRY,
     imu_mount::ENTRY,
+    angle_lag::ENTRY,
+    axis_misalignment::ENTRY,
     gust_disturbance::ENTRY,
+    periodic_moment::ENTRY,
 ];
 
 /// Physics that no catalogue has.
 pub const OUTSIDE: &[Entry] = &[
-    outside::stribeck_friction::ENTRY,
-    outside::hysteretic_spring::ENTRY,
-    outside::ground_effect::ENTRY,
     outside::angle_damping::ENTRY,
     outside::asymmetric_thrust::ENTRY,
     outside::rate_dependent_thrust::ENTRY,
-    outside::servo_resonance::ENTRY,
+    outside::servo_hunting::ENTRY,
     outside::command_quantiser::ENTRY,
     outside::missed_frames::ENTRY,
     outside::intermittent_delay::ENTRY,
     outside::vibration_rectification::ENTRY,
-    outside::periodic_moment::ENTRY,
     outside::gust_burst::ENTRY,
-    outside::moment_window::ENTRY,
 ];
 
 /// Physics that no catalogue has, and that nobody tunes a diagnosis on.
 pub const UNTOUCHED: &[Entry] =
-    &[untouched::slung_load::ENTRY, untouched::voltage_droop::ENTRY, untouched::local_friction::ENTRY];
+    &[untouched::sticky_end::ENTRY, untouched::sagging_supply::ENTRY, untouched::local_friction::ENTRY];
 
 /// Every effect that the simulator knows: catalogue, outside, untouched.
 pub fn every() -> impl Iterator<Item = &'static Entry> {
@@ -140,15 +165,18 @@ pub trait Effect: fmt::Debug {
         0.0
     }
 
-    /// Dry friction Mc at the state `x`, N m.
-    fn dry_friction(&self, _x: &State) -> f64 {
-        0.0
+    /// Dry friction at the state `x` against a rate upward, and downward, N m.
+    fn dry_friction(&self, _x: &State) -> [f64; 2] {
+        [0.0; 2]
     }
 
-    /// Motion about the other axes at time `t`; none on a test-bed that frees pitch alone.
-    fn roll_yaw(&self, _t: f64) -> Option<RollYaw> {
-        None
+    /// The signals beside those of the pitch axis that it needs; none on a test-bed that frees pitch alone.
+    fn others(&self) -> Others {
+        Others::default()
     }
+
+    /// Called before each step, with what goes on in its middle beside the pitch axis.
+    fn beside(&mut self, _now: &Beside) {}
 
     /// Carries states of the effect's own over a step that the aircraft has made.
     fn follow(&mut self, _motion: &Motion) {}

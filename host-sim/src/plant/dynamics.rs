@@ -8,7 +8,7 @@
 //! In free flight θ̇ = q cos φ − r sin φ, and θ̇P alike.
 //!
 //! ua: what the blades do over the step, rad; Mi: moments of the effects and of the disturbance, N m; Mf: dry
-//! friction, Mc sign q in motion, and at rest whatever holds the airframe, up to Mc.
+//! friction, Mc sign q in motion, and at rest whatever holds the airframe, up to Mc; Mc may be another each way.
 //!
 //! Classical Runge–Kutta of fourth order over steps of 1 ms at most. Friction is discontinuous, so a step that
 //! would carry q through zero is cut at the crossing; there the airframe sticks if the other moments stay
@@ -47,8 +47,8 @@ pub struct Loads<'a> {
     pub plant: Plant,
     /// ua, rad.
     pub blade: f64,
-    /// Mc, N m; 0 without dry friction.
-    pub dry_friction: f64,
+    /// Mc against a rate upward, and downward, N m; 0 without dry friction.
+    pub dry_friction: [f64; 2],
     /// Σ Mi (N m) at a state.
     pub moment: &'a dyn Fn(&State) -> f64,
     /// Motion about the other axes: θ̇ = q cos φ − r sin φ.
@@ -87,18 +87,28 @@ impl Loads<'_> {
             return self.with_mount(x, 0.0);
         }
         let direction = if x.q == 0.0 { drive } else { x.q };
-        let friction = if self.dry_friction > 0.0 { self.dry_friction * direction.signum() } else { 0.0 };
-        self.rate(x, friction)
+        self.rate(x, self.friction(direction))
+    }
+
+    /// Friction moment in a motion of this `direction`, N m.
+    fn friction(&self, direction: f64) -> f64 {
+        let [upward, downward] = self.dry_friction;
+        if direction > 0.0 { upward } else { -downward }
+    }
+
+    fn rubs(&self) -> bool {
+        self.dry_friction.iter().any(|level| *level > 0.0)
     }
 
     fn sticks(&self, x: &State) -> bool {
-        self.dry_friction > 0.0 && x.q == 0.0 && self.drive(x).abs() <= self.dry_friction
+        let [upward, downward] = self.dry_friction;
+        self.rubs() && x.q == 0.0 && (-downward..=upward).contains(&self.drive(x))
     }
 
     /// x one step of `dt` s later.
     #[must_use]
     pub fn step(&self, x: &State, dt: f64) -> State {
-        if self.dry_friction <= 0.0 {
+        if !self.rubs() {
             return runge_kutta(x, dt, |x| self.rate(x, 0.0));
         }
         let (reached, left) = self.step_to_rest(x, dt);
@@ -112,7 +122,7 @@ impl Loads<'_> {
             return (runge_kutta(x, dt, |x| self.with_mount(x, 0.0)), 0.0);
         }
         let direction = if x.q == 0.0 { self.drive(x).signum() } else { x.q.signum() };
-        let slip = |dt| runge_kutta(x, dt, |x| self.rate(x, self.dry_friction * direction));
+        let slip = |dt| runge_kutta(x, dt, |x| self.rate(x, self.friction(direction)));
         let next = slip(dt);
         if x.q == 0.0 || next.q * direction > 0.0 {
             return (next, 0.0);
@@ -154,7 +164,13 @@ mod tests {
     }
 
     fn loads(plant: Plant, blade: f64, dry_friction: f64) -> Loads<'static> {
-        Loads { plant, blade, dry_friction, moment: &|_| 0.0, roll_yaw: RollYaw::default() }
+        Loads {
+            plant,
+            blade,
+            dry_friction: [dry_friction; 2],
+            moment: &|_| 0.0,
+            roll_yaw: RollYaw::default(),
+        }
     }
 
     #[test]

@@ -132,7 +132,7 @@ fn line(entry: &Entry) -> String {
 
 fn parameter(p: &Parameter) -> String {
     let sign = if p.signed { "±" } else { "" };
-    let unit = if p.unit == "-" { String::new() } else { format!(" {}", p.unit) };
+    let unit = if ["-", "1"].contains(&p.unit) { String::new() } else { format!(" {}", p.unit) };
     format!("{} {sign}{}..{}{unit}", p.name, p.range[0], p.range[1])
 }
 

@@ -24,8 +24,8 @@ struct LocalFriction {
 }
 
 impl Effect for LocalFriction {
-    fn dry_friction(&self, x: &State) -> f64 {
-        if (x.theta - self.centre).abs() < self.half_width { self.level } else { 0.0 }
+    fn dry_friction(&self, x: &State) -> [f64; 2] {
+        if (x.theta - self.centre).abs() < self.half_width { [self.level; 2] } else { [0.0; 2] }
     }
 }
 

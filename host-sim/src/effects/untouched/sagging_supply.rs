@@ -1,18 +1,18 @@
-//! The supply droops while the servos and rotors work, and recovers: ∂M/∂u (1 − k v), T v̇ = |ua|/u0 − v.
+//! The supply sags while the servos and rotors work, and recovers: ∂M/∂u (1 − k v), T v̇ = |ua|/u0 − v.
 
 use super::{Effect, Entry, Parameter};
 
 pub(in crate::effects) const ENTRY: Entry = Entry {
-    id: "voltage_droop",
+    id: "sagging_supply",
     locus: "actuator",
     parameters: &[
         Parameter { name: "k", unit: "-", range: [0.1, 0.9], signed: false },
         Parameter { name: "T", unit: "s", range: [3.0, 15.0], signed: false },
     ],
     moderate_and_strong: [0.516, 0.63],
-    near: &["effectiveness_fade", "thrust_curve"],
+    near: &["voltage_droop", "effectiveness_fade", "thrust_curve"],
     make: |values, _| {
-        Box::new(VoltageDroop { depth: values[0], time_constant_s: values[1].max(1e-3), droop: 0.0 })
+        Box::new(SaggingSupply { depth: values[0], time_constant_s: values[1].max(1e-3), droop: 0.0 })
     },
 };
 
@@ -20,13 +20,13 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
 const REFERENCE_RAD: f64 = 0.015;
 
 #[derive(Debug)]
-struct VoltageDroop {
+struct SaggingSupply {
     depth: f64,
     time_constant_s: f64,
     droop: f64,
 }
 
-impl Effect for VoltageDroop {
+impl Effect for SaggingSupply {
     fn blade(&mut self, _t: f64, u: f64, dt: f64) -> f64 {
         let end = u.abs() / REFERENCE_RAD;
         self.droop = end + (self.droop - end) * (-dt / self.time_constant_s).exp();
@@ -40,7 +40,7 @@ mod tests {
 
     #[test]
     fn it_droops_under_work_and_recovers_at_rest() {
-        let mut supply = VoltageDroop { depth: 0.4, time_constant_s: 5.0, droop: 0.0 };
+        let mut supply = SaggingSupply { depth: 0.4, time_constant_s: 5.0, droop: 0.0 };
         for k in 0..5000 {
             supply.blade(0.0, if k % 600 < 300 { 0.015 } else { -0.015 }, 1e-3);
         }
