@@ -4,12 +4,13 @@
 //! ([`Format::DataFlash`], [`Format::DataFlashText`]), Betaflight and INAV blackbox ([`Format::Blackbox`]), MAVLink
 //! telemetry ([`Format::Tlog`]) and the CSV files that `ulog2csv` writes ([`Format::Ulog2Csv`]).
 //!
-//! Numbers stay as logged, in the logger's units, but for the scale that the log itself gives them. Damaged
-//! bytes are skipped and counted in [`Log::notes`]; text stays out of the channels.
+//! Numbers stay as logged, in the logger's units, but for the scale that the log itself gives them; what [`axes`] makes
+//! of them is in SI units. Damaged bytes are skipped and counted in [`Log::notes`]; text stays out of the channels.
 //!
 //! The readers are our own but for MAVLink: `px4-ulog` 0.6.1 indexes unchecked in short messages and ends at the first
 //! damaged byte, `blackbox-log` 0.4.3 refuses Betaflight outside 4.2 to 4.5 and INAV outside 5 to 8.
 
+pub mod axes;
 mod blackbox;
 mod bytes;
 mod damage;
