@@ -6,9 +6,12 @@ use std::path::{Path, PathBuf};
 use flight_logs::axes::{Axis, Formula, Proposal, propose};
 use flight_logs::{Field, Format, Log, Topic, read};
 
-/// A log of one topic with these fields, 200 rows at `rate_hz`; field `n` is sin(k + n) times its size.
-fn made(format: Format, topics: &[(&str, f64, &[(&str, f64)])]) -> Log {
-    let topic = |&(name, rate_hz, fields): &(&str, f64, &[(&str, f64)])| Topic {
+/// A topic: name, rows per second, name and size of each field.
+type Shape<'a> = (&'a str, f64, &'a [(&'a str, f64)]);
+
+/// A log with these topics of 200 rows; field `n` is sin(k + n) times its size.
+fn made(format: Format, topics: &[Shape]) -> Log {
+    let topic = |&(name, rate_hz, fields): &Shape| Topic {
         name: name.to_owned(),
         instance: 0,
         time_s: (0..200).map(|k| f64::from(k) / rate_hz).collect(),
