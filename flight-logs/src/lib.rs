@@ -173,6 +173,8 @@ impl Field {
 
 /// Reads flight logs: each file for itself, but CSV files of `ulog2csv` together as one log.
 ///
+/// Each file is held in memory, and 8 bytes for each of its numbers; no size that a file claims is believed.
+///
 /// # Errors
 /// A file that cannot be read, is empty, is none of the known formats, or holds nothing that can be read.
 pub fn read(paths: &[&Path]) -> Result<Vec<Log>, Error> {

@@ -114,6 +114,13 @@ fn betaflight_adds_the_terms_that_are_logged() {
     assert_eq!(input(&proposal), "", "two motors are no quadrotor");
     assert!(proposal.settings.iter().any(|setting| setting.parameter == "blackbox_disable_pids"));
 
+    let names = |firmware: &str| -> Vec<&str> {
+        let log = Log { firmware: Some(firmware.to_owned()), ..log.clone() };
+        propose(&log, Axis::Roll).settings.iter().map(|setting| setting.parameter).collect()
+    };
+    assert_eq!(names("Betaflight 4.2.8 (101738d8e) STM32F7X2"), ["blackbox_p_ratio"]);
+    assert_eq!(names("INAV 7.1.2 (4e1e59eb) KAKUTEH7"), ["blackbox_rate_num", "blackbox_rate_denom"]);
+
     let terms: &[(&str, f64)] =
         &[("axisP[1]", 100.0), ("axisI[1]", 10.0), ("gyroADC[1]", 1.0), ("setpoint[1]", 0.0)];
     let log = made(Format::Blackbox, &[("main", 500.0, terms)]);

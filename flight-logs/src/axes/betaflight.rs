@@ -15,7 +15,17 @@ pub(super) fn channels(log: &Log, axis: Axis) -> Channels {
     });
     Channels {
         input: controller(main, i).or_else(|| motors(log, main, axis)),
-        rate: one(format!("gyroADC[{i}]"), 1.0, "rad/s", "gyro after the filters: what the controller sees"),
+        rate: one(
+            format!("gyroADC[{i}]"),
+            1.0,
+            "rad/s",
+            match axis {
+                Axis::Pitch => {
+                    "gyro after the filters: what the controller sees; like the input positive nose down"
+                }
+                _ => "gyro after the filters: what the controller sees",
+            },
+        ),
         angle: one(
             format!("attitude[{i}]"),
             std::f64::consts::PI / 1800.0,
@@ -27,7 +37,11 @@ pub(super) fn channels(log: &Log, axis: Axis) -> Channels {
             (1.0 / resolution).to_radians(),
             "rad/s",
             "what the sticks or the angle mode ask for, logged in °/s",
-        ),
+        )
+        .or_else(|| {
+            let reason = "what the sticks or the angle mode ask for (INAV), logged in °/s";
+            one(format!("axisRate[{i}]"), 1_f64.to_radians(), "rad/s", reason)
+        }),
         thrust: moving(
             log,
             [
@@ -82,11 +96,25 @@ fn motors(log: &Log, main: &Topic, axis: Axis) -> Option<Channel> {
     )
 }
 
-/// What makes Betaflight log the controller and the gyro.
+/// What makes the firmware log the controller and the gyro fast.
 ///
-/// Source: <https://betaflight.com/docs/development/Cli>; `blackbox_sample_rate` counts in parts of the loop rate.
-pub(super) fn settings() -> Vec<Setting> {
+/// Source: <https://betaflight.com/docs/development/Cli> (before 4.3 the sample rate was set by `blackbox_p_ratio`, and
+/// no field could be left out); INAV, `docs/Settings.md`.
+pub(super) fn settings(log: &Log) -> Vec<Setting> {
     let setting = |parameter, value: &str, effect| Setting { parameter, value: value.to_owned(), effect };
+    let firmware = log.firmware.as_deref().unwrap_or_default();
+    if firmware.starts_with("INAV") {
+        return vec![
+            setting("blackbox_rate_num", "1", "with the next: every second loop"),
+            setting("blackbox_rate_denom", "2", "500 Hz of a 1 kHz loop"),
+        ];
+    }
+    let old = ["3.", "4.0", "4.1", "4.2"]
+        .iter()
+        .any(|version| firmware.starts_with(&format!("Betaflight {version}")));
+    if old {
+        return vec![setting("blackbox_p_ratio", "32", "1 kHz of an 8 kHz loop")];
+    }
     vec![
         setting("blackbox_sample_rate", "1/8", "1 kHz of an 8 kHz loop (1/4 of 4 kHz, 1/2 of 2 kHz)"),
         setting("blackbox_mode", "NORMAL", "log while armed"),

@@ -145,7 +145,7 @@ pub fn propose(log: &Log, axis: Axis) -> Proposal {
         _ if !slow => Vec::new(),
         Format::ULog | Format::Ulog2Csv => px4::settings(log),
         Format::DataFlash | Format::DataFlashText => ardupilot::settings(log),
-        Format::Blackbox => betaflight::settings(),
+        Format::Blackbox => betaflight::settings(log),
         Format::Tlog => {
             hindrances.push(
                 "telemetry by radio is too slow: take the log that the autopilot keeps on board".into(),
