@@ -9,7 +9,9 @@ use core::ops::Range;
 pub struct Run {
     /// Index of the recording it comes from.
     pub recording: usize,
-    /// Time of the first sample since the start of the recording, s.
+    /// Time stamp of the recording's first sample, s.
+    pub origin: f64,
+    /// Time stamp of the first sample, s.
     pub start: f64,
     /// Sample period, s.
     pub step: f64,
@@ -41,9 +43,13 @@ impl Run {
     pub fn is_empty(&self) -> bool {
         self.u.is_empty()
     }
-    /// Time of row `k` since the start of the recording, s.
+    /// Time stamp of row `k`, s, by the clock of the file.
     pub fn time(&self, k: usize) -> f64 {
         self.start + k as f64 * self.step
+    }
+    /// Time of row `k` since the start of the recording, s.
+    pub fn elapsed(&self, k: usize) -> f64 {
+        self.time(k) - self.origin
     }
 }
 
@@ -145,7 +151,8 @@ impl Dataset {
                 let cut = |signal: &[f64]| signal[segment.clone()].to_vec();
                 runs.push(Run {
                     recording: index,
-                    start: recording.t[segment.start] - recording.t[0],
+                    origin: recording.t[0],
+                    start: recording.t[segment.start],
                     step: recording.step,
                     held: recording.input_hold == InputHold::Held,
                     u: cut(&recording.u),
@@ -192,6 +199,11 @@ impl Dataset {
         notes
     }
 
+    /// Where the clock of the first recording stands at its start, s: moments in time are counted from there in the model.
+    pub fn origin(&self) -> f64 {
+        self.runs.first().map_or(0.0, |run| run.origin)
+    }
+
     /// Number of samples of all runs.
     pub fn samples(&self) -> usize {
         self.runs.iter().map(Run::len).sum()
@@ -220,7 +232,7 @@ impl Dataset {
         let angle: Vec<Vec<f64>> = self.runs.iter().map(Run::angle_or_sum).collect();
         let q = deviation(rate.iter().map(Vec::as_slice));
         let theta = deviation(angle.iter().map(Vec::as_slice));
-        let duration = self.runs.iter().map(|run| run.time(run.len())).fold(step, f64::max);
+        let duration = self.runs.iter().map(|run| run.elapsed(run.len())).fold(step, f64::max);
         Amplitudes { u, q, theta, moment: (dm_du * u).abs().max(f64::MIN_POSITIVE), step, duration }
     }
 }
@@ -240,6 +252,7 @@ impl Run {
         let rows = |r: &Range<usize>| r.start.div_ceil(factor)..(r.end / factor).min(blocks);
         Self {
             recording: self.recording,
+            origin: self.origin,
             start: self.start + 0.5 * factor as f64 * self.step,
             step: factor as f64 * self.step,
             held: false,

@@ -17,6 +17,7 @@ const SIZES: Amplitudes =
 fn run(u: Vec<f64>) -> Run {
     Run {
         recording: 0,
+        origin: 0.0,
         start: 0.0,
         step: STEP,
         held: true,

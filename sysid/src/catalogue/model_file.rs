@@ -37,7 +37,12 @@ impl Baseline {
             delay: model.plant.delay_s.unwrap_or(fallback.delay),
             mount,
         };
-        let terms = model.effects.iter().map(term).collect::<Result<Vec<_>, Error>>()?;
+        let mut terms = model.effects.iter().map(term).collect::<Result<Vec<_>, Error>>()?;
+        for term in &mut terms {
+            if let Some(moment) = term.effect.begins_at() {
+                term.values[moment] -= data.origin();
+            }
+        }
         let states: usize = terms.iter().map(|term| term.effect.states()).sum();
         if states + STATES_OF_CANDIDATES > OWN_STATES {
             let found = format!("effects with {states} states of their own");
@@ -48,14 +53,14 @@ impl Baseline {
         Ok(Self { plant, delay_free: model.plant.delay_s.is_none(), terms })
     }
 
-    /// As a model file.
-    pub fn to_model_file(&self) -> ModelFile {
-        model_file(&self.plant, &self.terms)
+    /// As a model file, for recordings whose clock starts at `origin`, s.
+    pub fn to_model_file(&self, origin: f64) -> ModelFile {
+        model_file(&self.plant, &self.terms, origin)
     }
 }
 
-/// A plant with its effects as a model file. Terms without a name have their scales ([`carried`](super::scaled_shape::carried)).
-pub fn model_file(plant: &Plant, terms: &[Term]) -> ModelFile {
+/// A plant with its effects as a model file; their moments in time are counted from `origin`, s. Terms without a name have their scales ([`carried`](super::scaled_shape::carried)).
+pub fn model_file(plant: &Plant, terms: &[Term], origin: f64) -> ModelFile {
     ModelFile {
         plant: PlantSection {
             inertia_kg_m2: plant.inertia,
@@ -66,7 +71,16 @@ pub fn model_file(plant: &Plant, terms: &[Term]) -> ModelFile {
             mount_c: plant.mount.map(|m| m.damping),
             mount_j: plant.mount.map(|m| m.inertia),
         },
-        effects: terms.iter().map(|term| scaled_shape::entry(term, &parameter_names(term.effect))).collect(),
+        effects: terms
+            .iter()
+            .map(|term| {
+                let mut term = term.clone();
+                if let Some(moment) = term.effect.begins_at() {
+                    term.values[moment] += origin;
+                }
+                scaled_shape::entry(&term, &parameter_names(term.effect))
+            })
+            .collect(),
         intervals: Default::default(),
     }
 }

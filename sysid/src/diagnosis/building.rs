@@ -49,7 +49,7 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
         let (_, _, rival) = finding.rivals.first()?;
         experiment::best(problem, extended, &selection.visited[*rival].fit)
     });
-    let mut model = problem.unpack(&extended.effects, &extended.minimum.values).to_model_file(&problem.sizes);
+    let mut model = problem.unpack(&extended.effects, &extended.minimum.values).to_model_file(problem);
     model.effects.extend(judgement.gust.as_ref().map(Gust::entry));
     let mut answer = Answer {
         schema: "pitchid.diagnosis/1",
@@ -285,7 +285,7 @@ impl Judgement<'_, '_> {
     fn since(&self) -> Option<Vec<[f64; 2]>> {
         let begin = self.named.iter().find_map(|finding| {
             let i = finding.effect.begins_at()?;
-            self.values_of(finding.effect.about().id).get(i).copied()
+            self.values_of(finding.effect.about().id).get(i).map(|moment| moment + self.problem.data.origin())
         })?;
         let ends = self.problem.data.runs.iter().map(|run| run.time(run.len().saturating_sub(1)));
         Some(vec![[begin, ends.fold(begin, f64::max)]])

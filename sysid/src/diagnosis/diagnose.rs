@@ -168,6 +168,6 @@ fn unanswered(
         },
         traces: Vec::new(),
         over_time: OverTime::default(),
-        model: problem.baseline.to_model_file(),
+        model: problem.baseline.to_model_file(problem.data.origin()),
     }
 }

@@ -7,7 +7,7 @@ use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 
 /// All unknowns of `fit`, in their order; the intervals from the blocks' scores where these are more uneven than the
-/// information says.
+/// information says. A moment in time is by the clock of the file.
 pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Information>) -> Vec<Estimate> {
     let coordinates = problem.coordinates(&fit.effects);
     let values = &fit.minimum.values;
@@ -19,7 +19,10 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
         .collect();
     for (i, effect) in fit.effects.iter().enumerate() {
         if let (Some(own), Some(ci95)) = (effect.begins_at(), change_point::interval(problem, fit, i)) {
-            all[fit.own_range(problem, i).start + own].ci95 = ci95;
+            let moment = &mut all[fit.own_range(problem, i).start + own];
+            let origin = problem.data.origin();
+            moment.value += origin;
+            moment.ci95 = ci95.map(|end| end + origin);
         }
     }
     all

@@ -86,6 +86,7 @@ fn fly(
     let count = excitation.len();
     let mut run = Run {
         recording: 0,
+        origin: 0.0,
         start: 0.0,
         step: problem.sizes.step,
         held: true,

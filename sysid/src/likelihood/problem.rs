@@ -35,11 +35,11 @@ pub struct Unpacked {
 }
 
 impl Unpacked {
-    /// The model that this is, as a file. Terms without a name were fitted to data of these `sizes`.
-    pub fn to_model_file(&self, sizes: &Amplitudes) -> ModelFile {
+    /// The model that this is, as a file. Terms without a name were fitted to the data of `problem`.
+    pub fn to_model_file(&self, problem: &Problem<'_>) -> ModelFile {
         let physics = self.terms.iter().filter(|term| !term.effect.is_background());
-        let terms: Vec<Term> = physics.map(|term| carried(term, sizes)).collect();
-        model_file(&self.plant, &terms)
+        let terms: Vec<Term> = physics.map(|term| carried(term, &problem.sizes)).collect();
+        model_file(&self.plant, &terms, problem.data.origin())
     }
 }
 

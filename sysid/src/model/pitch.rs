@@ -17,6 +17,10 @@ use nalgebra::{RowSVector, SMatrix};
 
 /// Longest step of the midpoint rule, s.
 const LONGEST_STEP: f64 = 0.0101;
+/// Steps of the midpoint rule in a period of the motion: terms that bend a motion of nine samples a period are off by a third
+/// of their size when they act once a sample.
+const SUBSTEPS_A_PERIOD: f64 = 36.0;
+const MOST_SUBSTEPS: f64 = 8.0;
 /// Room for the effects' own states.
 pub const OWN_STATES: usize = 28;
 /// A pitch rate is "rest" below this share of its standard deviation.
@@ -114,7 +118,9 @@ impl<'a> PitchModel<'a> {
         for term in terms {
             term.effect.plant(&term.values, &mut plant);
         }
-        let substeps = (step / LONGEST_STEP).ceil().max(1.0) as usize;
+        let fastest = sizes.q / sizes.theta.max(f64::MIN_POSITIVE);
+        let longest = LONGEST_STEP.min(core::f64::consts::TAU / (SUBSTEPS_A_PERIOD * fastest));
+        let substeps = (step / longest).ceil().clamp(1.0, MOST_SUBSTEPS) as usize;
         let dt = step / substeps as f64;
         let (stiffness, damping) = linear_part(terms, sizes, dt);
         let mut continuous = plant.state_matrix(stiffness, damping, disturbance);
@@ -299,7 +305,7 @@ impl<'a> PitchModel<'a> {
         }
         let mut driven = State::zeros();
         for (i, per_moment) in self.per_moment_of_substep.iter().enumerate() {
-            at.t = run.time(k) + i as f64 * at.dt;
+            at.t = run.elapsed(k) + i as f64 * at.dt;
             let delay =
                 if self.delay_moves { self.plant.delay + later(&self.terms, &at) } else { self.delay };
             at.command = if delay == self.delay {
@@ -396,7 +402,7 @@ impl<'a> PitchModel<'a> {
             let sensed = self.sensed(&point);
             let expected = self.limited(sensed);
             let gain = match &gains.changed {
-                Some(later) if self.inertia_at(run.time(k)) != 1.0 => later,
+                Some(later) if self.inertia_at(run.elapsed(k)) != 1.0 => later,
                 _ => &gains.begin,
             };
             let mut e = [0.0; 2];

@@ -15,6 +15,7 @@ pub(crate) mod rate_and_angle;
 mod sections;
 mod sniff;
 mod table;
+mod wild;
 mod write;
 
 use std::ops::Range;
@@ -100,6 +101,8 @@ pub enum NoteKind {
     Gap,
     /// Rows that stood twice were dropped.
     Duplicate,
+    /// Samples far from all around were left out.
+    Wild,
     /// A signal stays at its extreme value again and again.
     Clipped,
     /// A unit looks wrong.
@@ -162,6 +165,7 @@ fn parse_unnamed(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recor
     let mut notes = Vec::new();
     let mut table = table::read(text, options, &mut notes)?;
     sections::relabel(&mut table, options, &mut notes)?;
+    wild::bridge(&mut table, &mut notes);
     let grid = clock::onto_grid(&mut table, options, &mut notes)?;
     let sections = sections::runs(&table, &grid.segments);
     checks::inspect(&table, &grid, &mut notes);

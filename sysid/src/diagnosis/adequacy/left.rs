@@ -140,7 +140,7 @@ fn stretches(problem: &Problem<'_>, fit: &Fit) -> Option<Vec<Stretch>> {
             let (q, theta) = (point.x[0] / sizes.q, point.x[2] / sizes.theta.max(f64::MIN_POSITIVE));
             known.push(Known {
                 signals: [command(k), q, theta],
-                time: run.time(k),
+                time: run.elapsed(k),
                 moved: (command(k) - command(k.saturating_sub(recent))).abs(),
                 disturbance: unpacked.disturbance.moment(&point.x),
             });

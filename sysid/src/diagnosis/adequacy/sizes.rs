@@ -43,6 +43,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
     let empty = || Some(Vec::new());
     let run = Run {
         recording: 0,
+        origin: 0.0,
         start: 0.0,
         step: STEP,
         held: true,

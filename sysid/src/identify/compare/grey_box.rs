@@ -66,7 +66,7 @@ pub(super) fn fit_all(work: &Work, baseline: &Baseline, thorough: bool) -> Resul
         if order == 0 { "errors are white".into() } else { format!("coloured noise, order {order}") };
     let unit = work.data.input_unit;
     let parameters = with_input_unit(found.parameters.clone(), unit);
-    let mut model = model_file(&found.plant, &[]);
+    let mut model = model_file(&found.plant, &[], 0.0);
     add_intervals(&mut model, &parameters);
     // from the best end: there is no need for further starts
     let (again, once_more) =
@@ -126,7 +126,7 @@ fn with_effects(work: &Work, baseline: &Baseline) -> Result<GreyBox, Error> {
     let all = split.all();
     let vaf = vaf_by_place(&problem, &unpacked, &all);
     let parameters = output_error_estimates(work, &problem, &fit, &minimum.values);
-    let mut model = model_file(&unpacked.plant, &unpacked.terms);
+    let mut model = model_file(&unpacked.plant, &unpacked.terms, data.origin());
     add_intervals(&mut model, &parameters);
     let remark = if minimum.converged { "converged" } else { "stopped before it converged" };
     let line = MethodResult {

@@ -1,0 +1,153 @@
+//! Wild samples: readings that neither the samples around them nor the signal's own unevenness explain.
+//!
+//! ```text
+//! |x_k − m_k| > 8 · 1.4826 max(MAD_k, median_j |x_j − m_j|),   m_k, MAD_k over k − 7 .. k + 7
+//! ```
+//!
+//! (Hampel's identifier: Davies and Gather, J. Am. Stat. Assoc. 88, 1993.) Up to five in a row are bridged by a straight
+//! line and told by line; longer stretches are motion, and a signal with many of them has heavy tails, which is another
+//! matter.
+
+use super::clock::counted;
+use super::columns::Role;
+use super::table::Table;
+use super::{Note, NoteKind};
+use std::ops::Range;
+
+const HALF_WINDOW: usize = 7;
+/// Standard deviations, the scale taken from the median absolute deviation.
+const FAR: f64 = 8.0;
+const NORMAL: f64 = 1.4826;
+const MOST_IN_A_ROW: usize = 5;
+/// Share of all samples from which on they are the signal's own.
+const MOST: f64 = 0.01;
+/// Lines that a note names.
+const LINES_TOLD: usize = 5;
+
+/// Bridges the wild samples of rate and angle.
+pub(super) fn bridge(table: &mut Table, notes: &mut Vec<Note>) {
+    for signal in table.signals.iter_mut().filter(|s| matches!(s.source.role, Role::Q | Role::Theta)) {
+        let wild = wild_rows(&signal.values);
+        let count: usize = wild.iter().map(Range::len).sum();
+        if count == 0 || count as f64 > MOST * signal.values.len() as f64 {
+            continue;
+        }
+        let lines: Vec<String> = wild
+            .iter()
+            .flat_map(|rows| rows.clone())
+            .take(LINES_TOLD)
+            .map(|row| format!("line {} ({})", table.lines[row], signal.values[row]))
+            .collect();
+        let more = if count > LINES_TOLD { ", ..." } else { "" };
+        let text = format!(
+            "{}: {} left out, far from all around: {}{more}; bridged by a straight line",
+            signal.source.name,
+            counted(count, "wild sample"),
+            lines.join(", ")
+        );
+        let (first, last) = (wild[0].start, wild[wild.len() - 1].end - 1);
+        notes.push(Note::over(NoteKind::Wild, table.t[first], table.t[last], text));
+        for rows in wild {
+            bridge_rows(&mut signal.values, rows);
+        }
+    }
+}
+
+fn bridge_rows(values: &mut [f64], rows: Range<usize>) {
+    let last = values.len() - 1;
+    let after = values[rows.end.min(last)];
+    let before = if rows.start > 0 { values[rows.start - 1] } else { after };
+    let after = if rows.end > last { before } else { after };
+    let steps = (rows.len() + 1) as f64;
+    for (i, row) in rows.enumerate() {
+        values[row] = before + (after - before) * (i + 1) as f64 / steps;
+    }
+}
+
+/// Stretches of at most [`MOST_IN_A_ROW`] samples that are far from all around.
+fn wild_rows(values: &[f64]) -> Vec<Range<usize>> {
+    if values.len() < 4 * HALF_WINDOW {
+        return Vec::new();
+    }
+    let mut window = Vec::with_capacity(2 * HALF_WINDOW + 1);
+    let local: Vec<(f64, f64)> = (0..values.len())
+        .map(|k| {
+            let rows = k.saturating_sub(HALF_WINDOW)..(k + HALF_WINDOW + 1).min(values.len());
+            window.clear();
+            window.extend_from_slice(&values[rows]);
+            let middle = median(&mut window);
+            window.iter_mut().for_each(|x| *x = (*x - middle).abs());
+            (middle, median(&mut window))
+        })
+        .collect();
+    let away = |k: usize| (values[k] - local[k].0).abs();
+    let usual = median(&mut (0..values.len()).map(away).collect::<Vec<f64>>());
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let resolution = steps.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let far = |k: usize| away(k) > FAR * NORMAL * local[k].1.max(usual).max(resolution);
+    let mut stretches: Vec<Range<usize>> = Vec::new();
+    for k in (0..values.len()).filter(|&k| far(k)) {
+        match stretches.last_mut() {
+            Some(last) if last.end == k => last.end += 1,
+            _ => stretches.push(k..k + 1),
+        }
+    }
+    stretches.retain(|rows| rows.len() <= MOST_IN_A_ROW);
+    stretches
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A motion with noise, and `wild` added at some rows.
+    fn signal(wild: &[(usize, f64)]) -> Vec<f64> {
+        let mut seed = 1_u32;
+        let mut noise = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let mut values: Vec<f64> =
+            (0..2000).map(|k| (0.11 * f64::from(k)).sin() * 0.3 + 0.05 * noise()).collect();
+        for &(row, height) in wild {
+            values[row] += height;
+        }
+        values
+    }
+
+    #[test]
+    fn single_and_neighbouring_wild_samples_are_found_and_nothing_else() {
+        assert!(wild_rows(&signal(&[])).is_empty());
+        let found = wild_rows(&signal(&[(0, 5.0), (700, 5.0), (900, -9.0), (901, -9.0), (1999, 100.0)]));
+        assert_eq!(found, [0..1, 700..701, 900..902, 1999..2000]);
+    }
+
+    #[test]
+    fn a_jump_and_rest_before_motion_are_not_wild() {
+        let mut values = signal(&[]);
+        values[..1000].fill(0.0);
+        assert!(wild_rows(&values).is_empty());
+        values[1000..].iter_mut().for_each(|x| *x += 4.0);
+        assert!(wild_rows(&values).is_empty());
+    }
+
+    #[test]
+    fn a_flickering_last_digit_is_not_wild() {
+        let values: Vec<f64> = (0..500).map(|k| if k % 97 == 0 { 0.001 } else { 0.0 }).collect();
+        assert!(wild_rows(&values).is_empty());
+    }
+
+    #[test]
+    fn a_bridge_is_a_straight_line_and_flat_at_the_ends() {
+        let mut values = [9.0, 1.0, 9.0, 9.0, 4.0, 9.0];
+        for rows in [0..1, 2..4, 5..6] {
+            bridge_rows(&mut values, rows);
+        }
+        assert_eq!(values, [1.0, 1.0, 2.0, 3.0, 4.0, 4.0]);
+    }
+}
