@@ -21,9 +21,8 @@ pub struct Run {
     pub rate: Option<Vec<f64>>,
     /// See `rate`.
     pub angle: Option<Vec<f64>>,
-    /// Roll rate, yaw rate (rad/s) and roll angle (rad), where both rates were measured; the angle, where it was not
-    /// measured, is the integral of the roll rate.
-    pub roll_and_yaw: Option<Vec<[f64; 3]>>,
+    /// What was logged beside the pitch axis.
+    pub beside: Beside,
     /// Where the supervisor overrode the excitation.
     pub supervised: Vec<bool>,
     /// Sections, and the rows of this run that they cover.
@@ -43,6 +42,22 @@ impl Run {
     pub fn time(&self, k: usize) -> f64 {
         self.start + k as f64 * self.step
     }
+}
+
+/// What was logged beside the pitch axis, row by row, each where it was.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Beside {
+    /// Roll rate, yaw rate (rad/s) and roll angle (rad), where both rates were measured; the angle, where it was not
+    /// measured, is the integral of the roll rate.
+    pub roll_and_yaw: Option<Vec<[f64; 3]>>,
+    /// Roll rate, rad/s.
+    pub roll_rate: Option<Vec<f64>>,
+    /// Command of the roll axis, in its unit.
+    pub roll_command: Option<Vec<f64>>,
+    /// Collective thrust T relative to its mean over the data set: (T − T̄)/T̄.
+    pub thrust: Option<Vec<f64>>,
+    /// Supply voltage V relative to its mean over the data set: (V − V̄)/V̄.
+    pub voltage: Option<Vec<f64>>,
 }
 
 /// Typical sizes of the signals of a data set: what parameters' ranges and starts are scaled with.
@@ -137,6 +152,8 @@ impl Dataset {
             )
             .expecting("one input unit for all recordings of a vehicle"));
         }
+        let thrust = mean(recordings.iter().map(|r| r.thrust.as_deref()));
+        let voltage = mean(recordings.iter().map(|r| r.battery.as_deref()));
         let mut runs = Vec::new();
         for (index, recording) in recordings.iter().enumerate() {
             for segment in &recording.segments {
@@ -149,7 +166,13 @@ impl Dataset {
                     u: cut(&recording.u),
                     rate: recording.q.as_deref().filter(|_| has_rate).map(cut),
                     angle: recording.theta.as_deref().filter(|_| has_angle).map(cut),
-                    roll_and_yaw: roll_and_yaw(recording, segment),
+                    beside: Beside {
+                        roll_and_yaw: roll_and_yaw(recording, segment),
+                        roll_rate: recording.p.as_deref().map(cut),
+                        roll_command: recording.u_roll.as_deref().map(cut),
+                        thrust: relative(recording.thrust.as_deref().map(cut), thrust),
+                        voltage: relative(recording.battery.as_deref().map(cut), voltage),
+                    },
                     supervised: recording.supervised[segment.clone()].to_vec(),
                     sections: sections_within(recording, segment, (recordings.len() > 1).then_some(index)),
                 });
@@ -187,6 +210,13 @@ impl Dataset {
             ));
         }
         notes
+    }
+
+    /// Whether every run has `column` beside the pitch axis, and it varies in one of them at least.
+    pub fn varies(&self, column: impl Fn(&Beside) -> Option<&[f64]>) -> bool {
+        let moves = |values: &[f64]| values.iter().any(|value| Some(value) != values.first());
+        let columns = || self.runs.iter().map(|run| column(&run.beside));
+        columns().all(|values| values.is_some()) && columns().flatten().any(moves)
     }
 
     /// Number of samples of all runs.
@@ -243,10 +273,21 @@ impl Run {
             u: if self.held { held(&self.u) } else { sampled(&self.u) },
             rate: self.rate.as_deref().map(sampled),
             angle: self.angle.as_deref().map(sampled),
-            roll_and_yaw: self
-                .roll_and_yaw
-                .as_ref()
-                .map(|rows| (0..blocks).map(|b| rows[b * factor + factor / 2]).collect()),
+            beside: Beside {
+                roll_and_yaw: self
+                    .beside
+                    .roll_and_yaw
+                    .as_ref()
+                    .map(|rows| (0..blocks).map(|b| rows[b * factor + factor / 2]).collect()),
+                roll_rate: self.beside.roll_rate.as_deref().map(sampled),
+                roll_command: self.beside.roll_command.as_deref().map(if self.held {
+                    &held as &dyn Fn(&[f64]) -> Vec<f64>
+                } else {
+                    &sampled
+                }),
+                thrust: self.beside.thrust.as_deref().map(sampled),
+                voltage: self.beside.voltage.as_deref().map(sampled),
+            },
             supervised: (0..blocks)
                 .map(|b| self.supervised[b * factor..(b + 1) * factor].contains(&true))
                 .collect(),
@@ -301,6 +342,27 @@ fn deviation<'a>(pieces: impl Iterator<Item = &'a [f64]>) -> f64 {
         count += piece.len();
     }
     (sum / count.max(1) as f64).sqrt().max(1e-12)
+}
+
+/// Mean over all samples of a column; `None` where a recording lacks it, or it is not positive in the mean.
+fn mean<'a>(columns: impl Iterator<Item = Option<&'a [f64]>>) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0);
+    for column in columns {
+        let column = column?;
+        sum += column.iter().sum::<f64>();
+        count += column.len();
+    }
+    let mean = sum / count as f64;
+    (mean.is_finite() && mean > 0.0).then_some(mean)
+}
+
+/// The values relative to their mean.
+fn relative(values: Option<Vec<f64>>, mean: Option<f64>) -> Option<Vec<f64>> {
+    let (mut values, mean) = (values?, mean?);
+    for value in &mut values {
+        *value = *value / mean - 1.0;
+    }
+    Some(values)
 }
 
 fn roll_and_yaw(recording: &Recording, segment: &Range<usize>) -> Option<Vec<[f64; 3]>> {

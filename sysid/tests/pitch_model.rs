@@ -22,7 +22,7 @@ fn run(u: Vec<f64>) -> Run {
         held: true,
         rate: Some(vec![0.0; u.len()]),
         angle: Some(vec![0.0; u.len()]),
-        roll_and_yaw: None,
+        beside: Default::default(),
         supervised: vec![false; u.len()],
         sections: Vec::new(),
         u,

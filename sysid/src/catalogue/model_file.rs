@@ -12,8 +12,8 @@ use crate::model::pitch::{OWN_STATES, Term};
 use crate::model::plant::{Mount, Plant};
 use std::path::Path;
 
-/// Most states that the effects have which a diagnosis adds: five of the catalogue, and a term without a name.
-const STATES_OF_CANDIDATES: usize = 5 * 2 + 3;
+/// Most states that the effects have which a diagnosis adds: five of the catalogue, and two terms without a name.
+const STATES_OF_CANDIDATES: usize = 5 * 2 + 2 * 3;
 
 impl Baseline {
     /// The user's simulation from a model file; what the file leaves out is started from the data.
@@ -80,7 +80,7 @@ pub fn read_model(path: &Path) -> Result<ModelFile, Error> {
     });
     let nameless = scaled_shape::all().map(|effect| KnownEffect {
         id: UNLISTED,
-        shape: Some(effect.about().id),
+        shape: Some(effect.name_in_file()),
         parameters: parameter_names(effect),
     });
     crate::model::file::read(path, &named.chain(nameless).collect::<Vec<_>>())
@@ -89,7 +89,7 @@ pub fn read_model(path: &Path) -> Result<ModelFile, Error> {
 /// An entry of a model file as a term of the model.
 fn term(entry: &EffectEntry) -> Result<Term, Error> {
     let effect: Option<&'static dyn Effect> = match &entry.shape {
-        Some(shape) if entry.id == UNLISTED => scaled_shape::find(shape).map(|scaled| scaled as _),
+        Some(shape) if entry.id == UNLISTED => scaled_shape::find_in_file(shape).map(|scaled| scaled as _),
         _ => find(&entry.id),
     };
     let effect = effect.ok_or_else(|| unknown_effect(&entry.id))?;

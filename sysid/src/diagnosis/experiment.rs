@@ -91,7 +91,7 @@ fn fly(
         held: true,
         rate: problem.data.has_rate.then(|| vec![0.0; count]),
         angle: problem.data.has_angle.then(|| vec![0.0; count]),
-        roll_and_yaw: None,
+        beside: Default::default(),
         supervised: vec![false; count],
         sections: Vec::new(),
         u: excitation,

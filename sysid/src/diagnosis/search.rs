@@ -180,9 +180,10 @@ fn best_starts(
     values: &[f64],
     chord: &Chord,
 ) -> Vec<Prospect> {
+    let left = problem.residual_moment(&before.effects, &before.minimum.values);
     let best_start = |&candidate: &&'static dyn Effect| {
         let effects = [&before.effects[..], &[candidate]].concat();
-        let starts = candidate.starts(&problem.sizes).into_iter();
+        let starts = candidate.starts_from(&problem.sizes, &left).into_iter();
         let mut ends: Vec<Descent> =
             starts.filter_map(|own| descend(problem, chord, &effects, &[values, &own].concat(), 1)).collect();
         ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));

@@ -41,6 +41,8 @@ const WIDEST_PRIOR: f64 = 100.0;
 pub struct Information {
     /// Unknowns that may move, by their place.
     free: Vec<usize>,
+    /// Parameters of effects that lie beyond what the data show: they count as none.
+    beyond: Vec<usize>,
     /// Of the free unknowns.
     hessian: DMatrix<f64>,
     covariance: DMatrix<f64>,
@@ -76,6 +78,12 @@ impl Information {
                 && slopes[*i].iter().any(|e| e[0] != 0.0 || e[1] != 0.0)
         };
         let free: Vec<usize> = (0..slopes.len()).filter(moves).collect();
+        let beyond = (0..fit.effects.len()).filter_map(|i| {
+            let own = fit.own_range(problem, i);
+            let silent = fit.effects[i].beyond_data(&values[own.clone()], &problem.sizes)?;
+            Some(own.start + silent)
+        });
+        let beyond: Vec<usize> = beyond.collect();
         let n = free.len();
         let zero = || Part { hessian: DMatrix::zeros(n, n), score: DVector::zeros(n) };
         let mut whole = zero();
@@ -123,6 +131,7 @@ impl Information {
         let by_blocks = &covariance * by_blocks * &covariance;
         Some(Self {
             free,
+            beyond,
             hessian: whole.hessian,
             covariance,
             by_blocks,
@@ -134,7 +143,8 @@ impl Information {
 
     /// Places of `own` among the free unknowns; `None` where one of them does not move.
     fn places(&self, own: impl Iterator<Item = usize>) -> Option<Vec<usize>> {
-        own.map(|i| self.free.iter().position(|&j| j == i)).collect()
+        let unknown = own.filter(|i| !self.beyond.contains(i));
+        unknown.map(|i| self.free.iter().position(|&j| j == i)).collect()
     }
 
     /// κ of the unknowns `own`: one where the blocks' scores are no more uneven than chance makes them.

@@ -49,7 +49,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         u: Vec::new(),
         rate: empty(),
         angle: empty(),
-        roll_and_yaw: None,
+        beside: Default::default(),
         supervised: Vec::new(),
         sections: Vec::new(),
     };
