@@ -3,8 +3,8 @@
 use crate::dataset::Amplitudes;
 use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
 
-/// M −= M_up for q > 0, M += M_down for q < 0 (Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994,
-/// section 2), with the sign of `coulomb_friction`; with the same value each way it is that.
+/// M −= M_up for q > 0, M += M_down for q < 0 (Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994), with
+/// the sign of `coulomb_friction`; with the same value each way it is that.
 pub struct AsymmetricFriction;
 
 impl Effect for AsymmetricFriction {
@@ -17,6 +17,12 @@ impl Effect for AsymmetricFriction {
             variable: "q",
             condition: "when the pitch rate changes sign",
         }
+    }
+    fn source(&self) -> Option<&'static str> {
+        Some("Armstrong-Hélouvry, Dupont and Canudas de Wit, 1994")
+    }
+    fn generalises(&self, other: &dyn Effect) -> bool {
+        other.about().id == "coulomb_friction"
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = 0.1 * data.moment;

@@ -18,6 +18,9 @@ impl Effect for AsymmetricServo {
             condition: "for a few tenths of a second after each switch of the input, unlike up and down",
         }
     }
+    fn generalises(&self, other: &dyn Effect) -> bool {
+        other.about().id == "servo_lag"
+    }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let (lower, upper) = (0.2 * data.step, 0.5);
         ["T_up", "T_down"].map(|name| Parameter { name, unit: "s", lower, upper, scale: Scale::Log }).to_vec()

@@ -25,6 +25,12 @@ impl Effect for Hysteresis {
             condition: "after each turn of the motion, for as long as the pivot yields",
         }
     }
+    fn source(&self) -> Option<&'static str> {
+        Some("Dahl, 1968; Bouc, 1967; Wen, 1976")
+    }
+    fn generalises(&self, other: &dyn Effect) -> bool {
+        other.about().id == "coulomb_friction"
+    }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = data.moment / data.theta;
         vec![

@@ -23,6 +23,9 @@ impl Effect for ImuMount {
             condition: "as ringing after each switch of the input",
         }
     }
+    fn source(&self) -> Option<&'static str> {
+        Some("Riccardi, Panizza and Lovera, 2014")
+    }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![
             Parameter { name: "mode_hz", unit: "Hz", lower: 1.0, upper: 0.45 / data.step, scale: Scale::Log },

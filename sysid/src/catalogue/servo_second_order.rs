@@ -18,6 +18,9 @@ impl Effect for ServoSecondOrder {
             condition: "as an overshoot that rings off after each switch of the input",
         }
     }
+    fn generalises(&self, other: &dyn Effect) -> bool {
+        other.about().id == "servo_lag"
+    }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![
             Parameter { name: "f_hz", unit: "Hz", lower: 0.3, upper: 0.4 / data.step, scale: Scale::Log },
@@ -25,7 +28,7 @@ impl Effect for ServoSecondOrder {
         ]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
-        [0.03, 0.07, 0.16].map(|share| vec![share / data.step, 0.4]).to_vec()
+        [0.022, 0.045, 0.09, 0.18].map(|share| vec![share / data.step, 0.3]).to_vec()
     }
     fn states(&self) -> usize {
         2

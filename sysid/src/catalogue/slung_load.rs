@@ -20,6 +20,9 @@ impl Effect for SlungLoad {
             condition: "around the frequency at which the load swings",
         }
     }
+    fn source(&self) -> Option<&'static str> {
+        Some("Lamb, 1923")
+    }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![
             Parameter {

@@ -18,6 +18,12 @@ impl Effect for StribeckFriction {
             condition: "at small pitch rates, most where the vehicle breaks away",
         }
     }
+    fn source(&self) -> Option<&'static str> {
+        Some("Armstrong-Hélouvry, Dupont and Canudas de Wit, 1994")
+    }
+    fn generalises(&self, other: &dyn Effect) -> bool {
+        other.about().id == "coulomb_friction"
+    }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = 0.1 * data.moment;
         let moment = |name| Parameter {

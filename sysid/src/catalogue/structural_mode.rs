@@ -19,6 +19,10 @@ impl Effect for StructuralMode {
             condition: "as ringing after each switch of the input",
         }
     }
+    /// A mode that moves with the control moment alone and against it is a mount.
+    fn generalises(&self, other: &dyn Effect) -> bool {
+        other.about().id == "imu_mount"
+    }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![
             Parameter { name: "omega", unit: "rad/s", lower: 8.0, upper: 1.2 / data.step, scale: Scale::Log },

@@ -40,6 +40,9 @@ impl Effect for UnilateralSpring {
         let unit = data.moment / data.theta;
         [-1.2, -0.4, 0.4, 1.2].map(|share| vec![0.5 * unit, share * data.theta]).to_vec()
     }
+    fn acts_at(&self) -> Option<usize> {
+        Some(1)
+    }
     fn within_sample(&self) -> bool {
         true
     }

@@ -23,7 +23,7 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
         }
         if let Some(angle) = effect.turns() {
             let Estimate { value, ci95, .. } = &mut all[fit.own_range(problem, i).start + angle];
-            let turns = (*value / std::f64::consts::TAU).floor() * std::f64::consts::TAU;
+            let turns = (*value / std::f64::consts::TAU).round() * std::f64::consts::TAU;
             *value -= turns;
             *ci95 = ci95.map(|end| end - turns);
         }

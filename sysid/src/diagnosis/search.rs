@@ -32,7 +32,7 @@ const IDLE: f64 = 0.5;
 /// A start that gains less than this share of the best one's by its first steps is not followed,
 const PROMISING: f64 = 0.1;
 /// but for the first few.
-const ALWAYS_FOLLOWED: usize = 8;
+const ALWAYS_FOLLOWED: usize = 12;
 /// Prospects that are fitted whatever they look like: the baseline is fitted again from where they end.
 const ALWAYS_FITTED: usize = 3;
 /// From a start that the chord does not lead away from, the noise model has far to go.

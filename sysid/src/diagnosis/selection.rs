@@ -194,14 +194,20 @@ impl Search<'_, '_> {
         Round { before, after }
     }
 
-    /// Candidates that came near in some round, and those of a class with one of them.
+    /// Candidates that came near in some round, those of a class with one of them, and those that one of them
+    /// is a special case of, or that are one of it.
     fn near(&self) -> Vec<&'static dyn Effect> {
         let seen = |e: &dyn Effect| self.visited.iter().any(|v| v.fit.position(e.about().id).is_some());
         let class = |e: &dyn Effect| {
             e.class().is_some()
                 && self.candidates.named.iter().any(|other| other.class() == e.class() && seen(*other))
         };
-        self.candidates.named.iter().copied().filter(|e| seen(*e) || class(*e)).collect()
+        let related = |e: &dyn Effect| {
+            let of = |other: &dyn Effect| other.generalises(e) || e.generalises(other);
+            self.candidates.named.iter().any(|other| of(*other) && seen(*other))
+        };
+        let near = |e: &&'static dyn Effect| seen(*e) || class(*e) || related(*e);
+        self.candidates.named.iter().copied().filter(near).collect()
     }
 
     fn settle(&mut self, place: usize) -> usize {

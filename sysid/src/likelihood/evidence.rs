@@ -43,6 +43,8 @@ pub struct Information {
     free: Vec<usize>,
     /// Parameters of effects that lie beyond what the data show: they count as none.
     beyond: Vec<usize>,
+    /// Parameters of effects whose zero is none of the effect's.
+    anywhere: Vec<usize>,
     /// Of the free unknowns.
     hessian: DMatrix<f64>,
     covariance: DMatrix<f64>,
@@ -84,6 +86,9 @@ impl Information {
             Some(own.start + silent)
         });
         let beyond: Vec<usize> = beyond.collect();
+        let anywhere = (0..fit.effects.len())
+            .filter_map(|i| Some(fit.own_range(problem, i).start + fit.effects[i].acts_at()?));
+        let anywhere: Vec<usize> = anywhere.collect();
         let n = free.len();
         let zero = || Part { hessian: DMatrix::zeros(n, n), score: DVector::zeros(n) };
         let mut whole = zero();
@@ -132,6 +137,7 @@ impl Information {
         Some(Self {
             free,
             beyond,
+            anywhere,
             hessian: whole.hessian,
             covariance,
             by_blocks,
@@ -187,7 +193,7 @@ impl Information {
         let deviations = self.deviations(values);
         own.any(|i| {
             let [low, high] = self.coordinates[i].bounds;
-            low < 0.0 && high > 0.0 && values[i].abs() < 1.96 * deviations[i]
+            low < 0.0 && high > 0.0 && !self.anywhere.contains(&i) && values[i].abs() < 1.96 * deviations[i]
         })
     }
 

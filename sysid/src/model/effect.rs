@@ -77,8 +77,8 @@ pub struct Conditions {
     pub small_rate: f64,
     /// The delayed command u_c, mean over the step.
     pub command: f64,
-    /// Rate of change of the delayed command, mean over the step, per s.
-    pub command_rate: f64,
+    /// The delayed command at the beginning and at the end of the step.
+    pub command_ends: [f64; 2],
     /// Command of the roll axis, in its unit; zero where it was not logged.
     pub roll_command: f64,
     /// Collective thrust relative to its mean, (T − T̄)/T̄; zero where it was not logged.
@@ -123,6 +123,10 @@ pub struct About {
 pub trait Effect: Sync {
     /// What it is called and how it is told.
     fn about(&self) -> About;
+    /// Where its equation comes from: author and year.
+    fn source(&self) -> Option<&'static str> {
+        None
+    }
     /// Its parameters with bounds that suit the signals at hand.
     fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter>;
     /// Where the search for the parameters starts, one or more vectors.
@@ -145,6 +149,10 @@ pub trait Effect: Sync {
     fn beyond_data(&self, _p: &[f64], _data: &Amplitudes) -> Option<usize> {
         None
     }
+    /// Index of the parameter that says where the effect acts: at zero it acts as well as anywhere.
+    fn acts_at(&self) -> Option<usize> {
+        None
+    }
     /// Index of the parameter that is an angle: it counts modulo 2π.
     fn turns(&self) -> Option<usize> {
         None
@@ -155,6 +163,10 @@ pub trait Effect: Sync {
     }
     /// Whether `other` with the values `p` beside it is a facet of this very effect, and no second one.
     fn accounts_for(&self, _other: &dyn Effect, _p: &[f64], _data: &Amplitudes) -> bool {
+        false
+    }
+    /// Whether it holds `other` as its special case: where both explain the data alike, that is the simpler name.
+    fn generalises(&self, _other: &dyn Effect) -> bool {
         false
     }
     /// Whether it belongs to the background, which every model may have: then it is no finding.

@@ -325,7 +325,7 @@ impl<'a> PitchModel<'a> {
                 Shift::new(delay, i, self.substeps, self.step, run.held)
             };
             at.command = shift.apply(&run.u, k);
-            at.command_rate = shift.change(&run.u, k) / at.dt;
+            at.command_ends = shift.ends(&run.u, k);
             let control = self.plant.dm_du * self.actuated(point, &at);
             let forced = self.terms.iter().map(|term| term.effect.forcing(term.values, &at)).sum::<f64>();
             if self.within_sample {

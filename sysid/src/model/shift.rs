@@ -6,8 +6,8 @@ pub struct Shift {
     rows: isize,
     /// Share of the later one of the two rows that meet there.
     share: f64,
-    /// Rows whose difference, times the last entry, is the change of the input over the substep.
-    change: (isize, isize, f64),
+    /// Row and share of the one after it that the input has at the beginning and at the end of the substep.
+    ends: [(isize, f64); 2],
 }
 
 impl Shift {
@@ -25,14 +25,12 @@ impl Shift {
             (middle.floor(), middle - middle.floor())
         };
         let (rows, share) = (from as isize, if share <= 1e-9 { 0.0 } else { share });
-        let change = if held {
+        let ends = [begin, begin + length].map(|place| {
             // A switch at a boundary belongs to the substep that it begins.
-            let before = |place: f64| (place - 1e-9).floor() as isize;
-            (before(begin), before(begin + length), 1.0)
-        } else {
-            (rows, rows + 1, length)
-        };
-        Self { rows, share, change }
+            let row = (place - 1e-9).floor();
+            (row as isize, if held { 0.0 } else { place - row })
+        });
+        Self { rows, share, ends }
     }
 
     /// The input; before its first row and after its last as it is there.
@@ -41,10 +39,12 @@ impl Shift {
         row(u, first) * (1.0 - self.share) + row(u, first + 1) * self.share
     }
 
-    /// Change of the input over the substep.
-    pub fn change(&self, u: &[f64], k: usize) -> f64 {
-        let (from, to, share) = self.change;
-        (row(u, k as isize + to) - row(u, k as isize + from)) * share
+    /// The input at the beginning and at the end of the substep.
+    pub fn ends(&self, u: &[f64], k: usize) -> [f64; 2] {
+        self.ends.map(|(rows, share)| {
+            let first = k as isize + rows;
+            row(u, first) * (1.0 - share) + row(u, first + 1) * share
+        })
     }
 }
 
@@ -64,7 +64,8 @@ mod tests {
                 let mut sum = 0.0;
                 for k in 0..u.len() {
                     for i in 0..2 {
-                        let change = Shift::new(delay, i, 2, 0.02, held).change(&u, k);
+                        let [from, to] = Shift::new(delay, i, 2, 0.02, held).ends(&u, k);
+                        let change = to - from;
                         let begin = 0.02 * k as f64 + 0.01 * i as f64;
                         let arrives = 0.2 + delay;
                         let near = if held {
