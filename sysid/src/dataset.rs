@@ -23,11 +23,10 @@ pub struct Run {
     pub rate: Option<Vec<f64>>,
     /// See `rate`.
     pub angle: Option<Vec<f64>>,
-    /// Roll rate, yaw rate (rad/s) and roll angle (rad), where both rates were measured; the angle, where it was not
-    /// measured, is the integral of the roll rate.
-    pub roll_and_yaw: Option<Vec<[f64; 3]>>,
     /// Reading at which the rate clips, rad/s: the largest, where it recurs; infinite where it does not.
     pub rate_limit: f64,
+    /// What was logged beside the pitch axis.
+    pub beside: Beside,
     /// Where the supervisor overrode the excitation.
     pub supervised: Vec<bool>,
     /// Sections, and the rows of this run that they cover.
@@ -51,6 +50,22 @@ impl Run {
     pub fn elapsed(&self, k: usize) -> f64 {
         self.time(k) - self.origin
     }
+}
+
+/// What was logged beside the pitch axis, row by row, each where it was.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Beside {
+    /// Roll rate, yaw rate (rad/s) and roll angle (rad), where both rates were measured; the angle, where it was not
+    /// measured, is the integral of the roll rate.
+    pub roll_and_yaw: Option<Vec<[f64; 3]>>,
+    /// Roll rate, rad/s.
+    pub roll_rate: Option<Vec<f64>>,
+    /// Command of the roll axis, in its unit.
+    pub roll_command: Option<Vec<f64>>,
+    /// Collective thrust T relative to its mean over the data set: (T − T̄)/T̄.
+    pub thrust: Option<Vec<f64>>,
+    /// Supply voltage V relative to its mean over the data set: (V − V̄)/V̄.
+    pub voltage: Option<Vec<f64>>,
 }
 
 /// Typical sizes of the signals of a data set: what parameters' ranges and starts are scaled with.
@@ -145,6 +160,8 @@ impl Dataset {
             )
             .expecting("one input unit for all recordings of a vehicle"));
         }
+        let thrust = mean(recordings.iter().map(|r| r.thrust.as_deref()));
+        let voltage = mean(recordings.iter().map(|r| r.battery.as_deref()));
         let mut runs = Vec::new();
         for (index, recording) in recordings.iter().enumerate() {
             for segment in &recording.segments {
@@ -159,7 +176,13 @@ impl Dataset {
                     rate: recording.q.as_deref().filter(|_| has_rate).map(cut),
                     angle: recording.theta.as_deref().filter(|_| has_angle).map(cut),
                     rate_limit: recording.q.as_deref().map_or(f64::INFINITY, rate_limit),
-                    roll_and_yaw: roll_and_yaw(recording, segment),
+                    beside: Beside {
+                        roll_and_yaw: roll_and_yaw(recording, segment),
+                        roll_rate: recording.p.as_deref().map(cut),
+                        roll_command: recording.u_roll.as_deref().map(cut),
+                        thrust: relative(recording.thrust.as_deref().map(cut), thrust),
+                        voltage: relative(recording.battery.as_deref().map(cut), voltage),
+                    },
                     supervised: recording.supervised[segment.clone()].to_vec(),
                     sections: sections_within(recording, segment, (recordings.len() > 1).then_some(index)),
                 });
@@ -202,6 +225,13 @@ impl Dataset {
     /// Where the clock of the first recording stands at its start, s: moments in time are counted from there in the model.
     pub fn origin(&self) -> f64 {
         self.runs.first().map_or(0.0, |run| run.origin)
+    }
+
+    /// Whether every run has `column` beside the pitch axis, and it varies in one of them at least.
+    pub fn varies(&self, column: impl Fn(&Beside) -> Option<&[f64]>) -> bool {
+        let moves = |values: &[f64]| values.iter().any(|value| Some(value) != values.first());
+        let columns = || self.runs.iter().map(|run| column(&run.beside));
+        columns().all(|values| values.is_some()) && columns().flatten().any(moves)
     }
 
     /// Number of samples of all runs.
@@ -259,11 +289,22 @@ impl Run {
             u: if self.held { held(&self.u) } else { sampled(&self.u) },
             rate: self.rate.as_deref().map(sampled),
             angle: self.angle.as_deref().map(sampled),
-            roll_and_yaw: self
-                .roll_and_yaw
-                .as_ref()
-                .map(|rows| (0..blocks).map(|b| rows[b * factor + factor / 2]).collect()),
             rate_limit: f64::INFINITY,
+            beside: Beside {
+                roll_and_yaw: self
+                    .beside
+                    .roll_and_yaw
+                    .as_ref()
+                    .map(|rows| (0..blocks).map(|b| rows[b * factor + factor / 2]).collect()),
+                roll_rate: self.beside.roll_rate.as_deref().map(sampled),
+                roll_command: self.beside.roll_command.as_deref().map(if self.held {
+                    &held as &dyn Fn(&[f64]) -> Vec<f64>
+                } else {
+                    &sampled
+                }),
+                thrust: self.beside.thrust.as_deref().map(sampled),
+                voltage: self.beside.voltage.as_deref().map(sampled),
+            },
             supervised: (0..blocks)
                 .map(|b| self.supervised[b * factor..(b + 1) * factor].contains(&true))
                 .collect(),
@@ -326,6 +367,27 @@ fn rate_limit(signal: &[f64]) -> f64 {
     let largest = signal.iter().fold(0.0, |m: f64, q| m.max(q.abs()));
     let at_it = signal.iter().filter(|q| q.abs() == largest).count();
     if at_it >= RECURS { largest } else { f64::INFINITY }
+}
+
+/// Mean over all samples of a column; `None` where a recording lacks it, or it is not positive in the mean.
+fn mean<'a>(columns: impl Iterator<Item = Option<&'a [f64]>>) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0);
+    for column in columns {
+        let column = column?;
+        sum += column.iter().sum::<f64>();
+        count += column.len();
+    }
+    let mean = sum / count as f64;
+    (mean.is_finite() && mean > 0.0).then_some(mean)
+}
+
+/// The values relative to their mean.
+fn relative(values: Option<Vec<f64>>, mean: Option<f64>) -> Option<Vec<f64>> {
+    let (mut values, mean) = (values?, mean?);
+    for value in &mut values {
+        *value = *value / mean - 1.0;
+    }
+    Some(values)
 }
 
 fn roll_and_yaw(recording: &Recording, segment: &Range<usize>) -> Option<Vec<[f64; 3]>> {

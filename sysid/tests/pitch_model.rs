@@ -24,7 +24,7 @@ fn run(u: Vec<f64>) -> Run {
         rate: Some(vec![0.0; u.len()]),
         angle: Some(vec![0.0; u.len()]),
         rate_limit: f64::INFINITY,
-        roll_and_yaw: None,
+        beside: Default::default(),
         supervised: vec![false; u.len()],
         sections: Vec::new(),
         u,

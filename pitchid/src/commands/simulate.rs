@@ -287,7 +287,7 @@ mod tests {
         let scales =
             [("scale_q_rad_s", 0.4), ("scale_theta_rad", 0.15), ("scale_u", 0.01), ("duration_s", 100.0)];
         for scaled in scaled_shape::all() {
-            let shape = scaled.about().id;
+            let shape = scaled.name_in_file();
             let mut model = sysid::model::file::parse("m.toml", nominal, &[]).unwrap();
             let bare = model.clone();
             let size = |name: &str| scales.iter().find(|(scale, _)| *scale == name).map_or(-0.02, |s| s.1);

@@ -20,6 +20,9 @@ impl Effect for CoulombFriction {
             condition: "when the pitch rate changes sign",
         }
     }
+    fn source(&self) -> Option<&'static str> {
+        Some("Coulomb, 1785")
+    }
     fn class(&self) -> Option<Class> {
         Some(Class::SmallSignals)
     }

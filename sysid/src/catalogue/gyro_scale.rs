@@ -3,7 +3,7 @@
 use crate::dataset::Amplitudes;
 use crate::dataset::Dataset;
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
 use crate::model::pitch::Output;
 
 /// q_meas = (1 + s) q.
@@ -29,7 +29,7 @@ impl Effect for GyroScale {
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
         data.has_rate && data.has_angle
     }
-    fn measure(&self, p: &[f64], _s: &[f64], y: Output) -> Output {
+    fn measure(&self, p: &[f64], _s: &[f64], y: Output, _at: &Conditions) -> Output {
         [(1.0 + p[0]) * y[0], y[1]]
     }
 }

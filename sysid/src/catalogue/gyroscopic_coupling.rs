@@ -26,7 +26,7 @@ impl Effect for GyroscopicCoupling {
         vec![vec![0.0]]
     }
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
-        data.runs.iter().all(|run| run.roll_and_yaw.is_some())
+        data.runs.iter().all(|run| run.beside.roll_and_yaw.is_some())
     }
     fn within_sample(&self) -> bool {
         true

@@ -26,6 +26,9 @@ impl Effect for ImuMount {
     fn class(&self) -> Option<Class> {
         Some(Class::Resonance)
     }
+    fn source(&self) -> Option<&'static str> {
+        Some("Riccardi, Panizza and Lovera, 2014")
+    }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![
             Parameter { name: "mode_hz", unit: "Hz", lower: 1.0, upper: 0.45 / data.step, scale: Scale::Log },

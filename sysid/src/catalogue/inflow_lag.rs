@@ -17,6 +17,9 @@ impl Effect for InflowLag {
             condition: "for a few tenths of a second after each switch of the input, as an overshoot",
         }
     }
+    fn source(&self) -> Option<&'static str> {
+        Some("Pitt and Peters, 1981")
+    }
     fn class(&self) -> Option<Class> {
         Some(Class::Phase)
     }

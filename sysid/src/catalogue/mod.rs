@@ -1,7 +1,12 @@
 //! The catalogue: physics that a pitch model may leave out, one file each, and shapes for what has no name.
 
+mod angle_lag;
+mod asymmetric_friction;
+mod asymmetric_servo;
+mod axis_misalignment;
 mod clock_skew;
 mod coulomb_friction;
+mod cross_feed;
 mod cubic_stiffness;
 mod effectiveness_fade;
 mod end_stop;
@@ -13,29 +18,41 @@ mod gyro_lag;
 mod gyro_saturation;
 mod gyro_scale;
 mod gyroscopic_coupling;
+mod hysteresis;
 mod imu_mount;
 mod inertia_step;
 mod inflow_lag;
 mod linkage_backlash;
 pub mod model_file;
+mod moment_step;
+mod periodic_moment;
 mod quadratic_drag;
 pub mod roll_off;
+mod rotor_reaction;
 pub mod scaled_shape;
 mod servo_deadband;
 mod servo_lag;
 mod servo_rate_limit;
 mod servo_saturation;
+mod servo_second_order;
 pub mod shapes;
 pub mod slow_moment;
+mod slung_load;
+mod stribeck_friction;
 mod structural_mode;
 mod thrust_curve;
+mod thrust_dependence;
 mod trim_offset;
+mod unilateral_spring;
+mod voltage_droop;
 
 use crate::model::effect::Effect;
 
 /// All effects that a diagnosis tries, in the order of the catalogue.
 pub const CATALOGUE: &[&dyn Effect] = &[
     &servo_lag::ServoLag,
+    &asymmetric_servo::AsymmetricServo,
+    &servo_second_order::ServoSecondOrder,
     &servo_rate_limit::ServoRateLimit,
     &servo_saturation::ServoSaturation,
     &linkage_backlash::LinkageBacklash,
@@ -44,21 +61,34 @@ pub const CATALOGUE: &[&dyn Effect] = &[
     &thrust_curve::ThrustCurve,
     &inflow_lag::InflowLag,
     &effectiveness_fade::EffectivenessFade,
+    &voltage_droop::VoltageDroop,
+    &thrust_dependence::ThrustDependence,
+    &rotor_reaction::RotorReaction,
+    &cross_feed::CrossFeed,
     &coulomb_friction::CoulombFriction,
+    &stribeck_friction::StribeckFriction,
+    &asymmetric_friction::AsymmetricFriction,
+    &hysteresis::Hysteresis,
     &quadratic_drag::QuadraticDrag,
     &gravity_stiffness::GravityStiffness,
     &cubic_stiffness::CubicStiffness,
     &end_stop::EndStop,
+    &unilateral_spring::UnilateralSpring,
     &structural_mode::StructuralMode,
+    &slung_load::SlungLoad,
     &gyroscopic_coupling::GyroscopicCoupling,
     &inertia_step::InertiaStep,
+    &moment_step::MomentStep,
+    &periodic_moment::PeriodicMoment,
     &extra_delay::ExtraDelay,
     &clock_skew::ClockSkew,
     &gyro_bias::GyroBias,
     &gyro_scale::GyroScale,
     &gyro_lag::GyroLag,
+    &angle_lag::AngleLag,
     &gyro_saturation::GyroSaturation,
     &imu_mount::ImuMount,
+    &axis_misalignment::AxisMisalignment,
     &gust_disturbance::GustDisturbance,
 ];
 

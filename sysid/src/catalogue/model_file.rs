@@ -12,8 +12,8 @@ use crate::model::pitch::{OWN_STATES, Term};
 use crate::model::plant::{Mount, Plant};
 use std::path::Path;
 
-/// Most states that the effects have which a diagnosis adds: five of the catalogue, and a term without a name.
-const STATES_OF_CANDIDATES: usize = 5 * 2 + 3;
+/// Most states that the effects have which a diagnosis adds: five of the catalogue, and two terms without a name.
+const STATES_OF_CANDIDATES: usize = 5 * 2 + 2 * 3;
 
 impl Baseline {
     /// The user's simulation from a model file; what the file leaves out is started from the data.
@@ -39,7 +39,7 @@ impl Baseline {
         };
         let mut terms = model.effects.iter().map(term).collect::<Result<Vec<_>, Error>>()?;
         for term in &mut terms {
-            if let Some(moment) = term.effect.begins_at() {
+            for moment in term.effect.begins_at().into_iter().chain(term.effect.ends_at()) {
                 term.values[moment] -= data.origin();
             }
         }
@@ -75,7 +75,7 @@ pub fn model_file(plant: &Plant, terms: &[Term], origin: f64) -> ModelFile {
             .iter()
             .map(|term| {
                 let mut term = term.clone();
-                if let Some(moment) = term.effect.begins_at() {
+                for moment in term.effect.begins_at().into_iter().chain(term.effect.ends_at()) {
                     term.values[moment] += origin;
                 }
                 scaled_shape::entry(&term, &parameter_names(term.effect))
@@ -94,7 +94,7 @@ pub fn read_model(path: &Path) -> Result<ModelFile, Error> {
     });
     let nameless = scaled_shape::all().map(|effect| KnownEffect {
         id: UNLISTED,
-        shape: Some(effect.about().id),
+        shape: Some(effect.name_in_file()),
         parameters: parameter_names(effect),
     });
     crate::model::file::read(path, &named.chain(nameless).collect::<Vec<_>>())
@@ -103,7 +103,7 @@ pub fn read_model(path: &Path) -> Result<ModelFile, Error> {
 /// An entry of a model file as a term of the model.
 fn term(entry: &EffectEntry) -> Result<Term, Error> {
     let effect: Option<&'static dyn Effect> = match &entry.shape {
-        Some(shape) if entry.id == UNLISTED => scaled_shape::find(shape).map(|scaled| scaled as _),
+        Some(shape) if entry.id == UNLISTED => scaled_shape::find_in_file(shape).map(|scaled| scaled as _),
         _ => find(&entry.id),
     };
     let effect = effect.ok_or_else(|| unknown_effect(&entry.id))?;

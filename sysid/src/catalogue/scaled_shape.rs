@@ -43,6 +43,11 @@ pub fn find(shape: &str) -> Option<&'static ScaledShape> {
     all().find(|scaled| scaled.about().id == shape)
 }
 
+/// The term of a shape by its name in model files.
+pub fn find_in_file(name: &str) -> Option<&'static ScaledShape> {
+    all().find(|scaled| scaled.name_in_file() == name)
+}
+
 /// `term` as a model file can hold it: one without a name gets the scales of the data that it was fitted to, unless it
 /// has its own.
 pub fn carried(term: &Term, sizes: &Amplitudes) -> Term {
@@ -61,13 +66,21 @@ pub fn entry(term: &Term, names: &[&str]) -> EffectEntry {
     let scaled = find(id);
     EffectEntry {
         id: if scaled.is_some() { UNLISTED } else { id }.into(),
-        shape: scaled.map(|_| id.into()),
+        shape: scaled.map(|scaled| scaled.name_in_file().into()),
         parameters: names.iter().map(|&name| name.into()).zip(term.values.iter().copied()).collect(),
         remark: scaled.map(ScaledShape::remark),
     }
 }
 
 impl ScaledShape {
+    /// The shape's name in model files: its id, but for the one whose name there is the id of an effect of the catalogue.
+    pub fn name_in_file(&self) -> &'static str {
+        match self.about().id {
+            "slipping_springs" => "hysteresis",
+            id => id,
+        }
+    }
+
     fn remark(&self) -> String {
         let validity = if self.0.local_in_time {
             "; its times are those of the recording it was fitted to, and it says nothing of any other"
@@ -122,8 +135,8 @@ impl Effect for ScaledShape {
         let (coefficients, at) = own(p, at);
         self.0.sense(coefficients, s, q, theta, control, &at);
     }
-    fn measure(&self, p: &[f64], s: &[f64], y: Output) -> Output {
-        self.0.measure(own(p, &Conditions::default()).0, s, y)
+    fn measure(&self, p: &[f64], s: &[f64], y: Output, at: &Conditions) -> Output {
+        self.0.measure(own(p, at).0, s, y, at)
     }
 }
 
@@ -143,7 +156,7 @@ mod tests {
         let states = term.effect.states();
         let moment = term.effect.moment(&term.values, &own[..states], 0.2, -0.06, &at);
         term.effect.sense(&term.values, &mut own[..states], 0.2, -0.06, 1.0, &at);
-        (moment, own, term.effect.measure(&term.values, &own[..states], [0.2, -0.06]))
+        (moment, own, term.effect.measure(&term.values, &own[..states], [0.2, -0.06], &at))
     }
 
     #[test]

@@ -164,7 +164,7 @@ pub const SHAPES: &[&Shape] = &[
         ..PLAIN
     },
     &Shape {
-        id: "hysteresis",
+        id: "slipping_springs",
         variable: "theta",
         words: "a spring that slips: the moment depends on where the angle turned last",
         count: 2,
@@ -353,7 +353,7 @@ impl Effect for Shape {
             s.copy_from_slice(&memory);
         }
     }
-    fn measure(&self, p: &[f64], s: &[f64], y: Output) -> Output {
+    fn measure(&self, p: &[f64], s: &[f64], y: Output, _at: &Conditions) -> Output {
         if !self.measured {
             return y;
         }
@@ -386,7 +386,7 @@ mod tests {
 
     #[test]
     fn a_slipping_spring_turns_round_with_its_stiffness_and_slides_at_its_limit() {
-        let term = SHAPES.iter().find(|term| term.id == "hysteresis").unwrap();
+        let term = SHAPES.iter().find(|term| term.id == "slipping_springs").unwrap();
         let update = term.memory.unwrap();
         let mut memory = [0.0; 3];
         let mut to = |y: f64| {

@@ -2,6 +2,7 @@
 
 use crate::dataset::Amplitudes;
 use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::oscillator::oscillate;
 use crate::model::pitch::Output;
 
 /// η̈ + 2ζω η̇ + ω² η = g (∂M/∂u) u_a / Iyy, q_meas = q + η̇, θ_meas = θ + η.
@@ -20,6 +21,10 @@ impl Effect for StructuralMode {
     }
     fn class(&self) -> Option<Class> {
         Some(Class::Resonance)
+    }
+    /// A mode that moves with the control moment alone and against it is a mount.
+    fn generalises(&self, other: &dyn Effect) -> bool {
+        other.about().id == "imu_mount"
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![
@@ -42,16 +47,9 @@ impl Effect for StructuralMode {
     /// Exact for an acceleration that is constant over the step; states (η, η̇).
     fn sense(&self, p: &[f64], s: &mut [f64], _q: f64, _theta: f64, control: f64, at: &Conditions) {
         let (omega, zeta) = (p[0], p[1]);
-        let rest = p[2] * control / (omega * omega);
-        let damped = omega * (1.0 - zeta * zeta).sqrt();
-        let (x, v) = (s[0] - rest, s[1]);
-        let decay = (-zeta * omega * at.dt).exp();
-        let (sin, cos) = (damped * at.dt).sin_cos();
-        let b = (v + zeta * omega * x) / damped;
-        s[0] = rest + decay * (x * cos + b * sin);
-        s[1] = decay * (v * cos - (zeta * omega * b + damped * x) * sin);
+        oscillate(s, omega, zeta, p[2] * control / (omega * omega), at.dt);
     }
-    fn measure(&self, _p: &[f64], s: &[f64], y: Output) -> Output {
+    fn measure(&self, _p: &[f64], s: &[f64], y: Output, _at: &Conditions) -> Output {
         [y[0] + s[1], y[1] + s[0]]
     }
 }

@@ -18,11 +18,21 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
         .map(|((c, &value), deviation)| Estimate::new(&c.name, &c.unit, value, deviation, c.bounds))
         .collect();
     for (i, effect) in fit.effects.iter().enumerate() {
+        let first = fit.own_range(problem, i).start;
         if let (Some(own), Some(ci95)) = (effect.begins_at(), change_point::interval(problem, fit, i)) {
-            let moment = &mut all[fit.own_range(problem, i).start + own];
-            let origin = problem.data.origin();
-            moment.value += origin;
-            moment.ci95 = ci95.map(|end| end + origin);
+            all[first + own].ci95 = ci95;
+        }
+        let origin = problem.data.origin();
+        for moment in effect.begins_at().into_iter().chain(effect.ends_at()) {
+            let Estimate { value, ci95, .. } = &mut all[first + moment];
+            *value += origin;
+            *ci95 = ci95.map(|end| end + origin);
+        }
+        if let Some(angle) = effect.turns() {
+            let Estimate { value, ci95, .. } = &mut all[first + angle];
+            let turns = (*value / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+            *value -= turns;
+            *ci95 = ci95.map(|end| end - turns);
         }
     }
     all

@@ -93,7 +93,7 @@ fn fly(
         rate: problem.data.has_rate.then(|| vec![0.0; count]),
         angle: problem.data.has_angle.then(|| vec![0.0; count]),
         rate_limit: f64::INFINITY,
-        roll_and_yaw: None,
+        beside: Default::default(),
         supervised: vec![false; count],
         sections: Vec::new(),
         u: excitation,

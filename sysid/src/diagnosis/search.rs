@@ -32,7 +32,7 @@ const IDLE: f64 = 0.5;
 /// A start that gains less than this share of the best one's by its first steps is not followed,
 const PROMISING: f64 = 0.1;
 /// but for the first few.
-const ALWAYS_FOLLOWED: usize = 8;
+const ALWAYS_FOLLOWED: usize = 12;
 /// Prospects that are fitted whatever they look like: the baseline is fitted again from where they end.
 const ALWAYS_FITTED: usize = 3;
 /// From a start that the chord does not lead away from, the noise model has far to go.
@@ -187,9 +187,10 @@ fn best_starts(
     values: &[f64],
     chord: &Chord,
 ) -> Vec<Prospect> {
+    let left = problem.residual_moment(&before.effects, &before.minimum.values);
     let best_start = |&candidate: &&'static dyn Effect| {
         let effects = [&before.effects[..], &[candidate]].concat();
-        let starts = candidate.starts(&problem.sizes).into_iter();
+        let starts = candidate.starts_from(&problem.sizes, &left).into_iter();
         let mut ends: Vec<Descent> =
             starts.filter_map(|own| descend(problem, chord, &effects, &[values, &own].concat(), 1)).collect();
         ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));

@@ -63,7 +63,9 @@ impl Candidates {
             } else {
                 NAMED / self.named.len().max(1) as f64
             };
-            (FURTHER_TERM * share).ln()
+            // A term that holds another as its special case says two things.
+            let said = if self.named.iter().any(|simple| effect.generalises(*simple)) { 2.0 } else { 1.0 };
+            said * (FURTHER_TERM * share).ln()
         };
         effects.iter().map(of).sum()
     }
@@ -196,14 +198,20 @@ impl Search<'_, '_> {
         Round { before, after }
     }
 
-    /// Candidates that came near in some round, and those of a class with one of them.
+    /// Candidates that came near in some round, those of a class with one of them, and those that one of them
+    /// is a special case of, or that are one of it.
     fn near(&self) -> Vec<&'static dyn Effect> {
         let seen = |e: &dyn Effect| self.visited.iter().any(|v| v.fit.position(e.about().id).is_some());
         let class = |e: &dyn Effect| {
             e.class().is_some()
                 && self.candidates.named.iter().any(|other| other.class() == e.class() && seen(*other))
         };
-        self.candidates.named.iter().copied().filter(|e| seen(*e) || class(*e)).collect()
+        let related = |e: &dyn Effect| {
+            let of = |other: &dyn Effect| other.generalises(e) || e.generalises(other);
+            self.candidates.named.iter().any(|other| of(*other) && seen(*other))
+        };
+        let near = |e: &&'static dyn Effect| seen(*e) || class(*e) || related(*e);
+        self.candidates.named.iter().copied().filter(near).collect()
     }
 
     fn settle(&mut self, place: usize) -> usize {

@@ -41,6 +41,10 @@ const WIDEST_PRIOR: f64 = 100.0;
 pub struct Information {
     /// Unknowns that may move, by their place.
     free: Vec<usize>,
+    /// Parameters of effects that lie beyond what the data show: they count as none.
+    beyond: Vec<usize>,
+    /// Parameters of effects whose zero is none of the effect's.
+    anywhere: Vec<usize>,
     /// Of the free unknowns.
     hessian: DMatrix<f64>,
     covariance: DMatrix<f64>,
@@ -80,7 +84,14 @@ impl Information {
             let block = (k as f64 * problem.data.runs[run].step / BLOCK_S) as usize;
             Row { block: (run, block), part: parts.iter().position(holds) }
         });
-        Self::of_rows(coordinates, values, &slopes, &fit.minimum.residuals, rows, parts.len())
+        let information =
+            Self::of_rows(coordinates, values, &slopes, &fit.minimum.residuals, rows, parts.len())?;
+        let effects = fit.effects.iter().enumerate().map(|(i, effect)| (fit.own_range(problem, i), effect));
+        let beyond = effects.clone().filter_map(|(own, effect)| {
+            Some(own.start + effect.beyond_data(&values[own.clone()], &problem.sizes)?)
+        });
+        let anywhere = effects.filter_map(|(own, effect)| Some(own.start + effect.acts_at()?));
+        Some(Self { beyond: beyond.collect(), anywhere: anywhere.collect(), ..information })
     }
 
     /// From the derivatives of the errors, coordinate by coordinate; `rows` says where each error belongs.
@@ -137,6 +148,8 @@ impl Information {
         let by_blocks = &covariance * by_blocks * &covariance;
         Some(Self {
             free,
+            beyond: Vec::new(),
+            anywhere: Vec::new(),
             hessian: whole.hessian,
             covariance,
             by_blocks,
@@ -153,7 +166,8 @@ impl Information {
 
     /// Places of `own` among the free unknowns; `None` where one of them does not move.
     fn places(&self, own: impl Iterator<Item = usize>) -> Option<Vec<usize>> {
-        own.map(|i| self.free.iter().position(|&j| j == i)).collect()
+        let unknown = own.filter(|i| !self.beyond.contains(i));
+        unknown.map(|i| self.free.iter().position(|&j| j == i)).collect()
     }
 
     /// κ of the unknowns `own`: one where the blocks' scores are no more uneven than chance makes them.
@@ -196,7 +210,7 @@ impl Information {
         let deviations = self.deviations(values);
         own.any(|i| {
             let [low, high] = self.coordinates[i].bounds;
-            low < 0.0 && high > 0.0 && values[i].abs() < 1.96 * deviations[i]
+            low < 0.0 && high > 0.0 && !self.anywhere.contains(&i) && values[i].abs() < 1.96 * deviations[i]
         })
     }
 

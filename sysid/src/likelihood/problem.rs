@@ -3,9 +3,9 @@
 use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::model_file::model_file;
 use crate::catalogue::scaled_shape::{UNLISTED, carried};
-use crate::dataset::{Amplitudes, Dataset, Place};
+use crate::dataset::{Amplitudes, Dataset, Place, Run};
 use crate::model::baseline::Baseline;
-use crate::model::effect::{Effect, Parameter, Scale};
+use crate::model::effect::{Effect, Parameter, ResidualMoment, Scale};
 use crate::model::file::ModelFile;
 use crate::model::noise::Disturbance;
 use crate::model::pitch::{Gains, Output, PitchModel, Point, Term};
@@ -141,7 +141,8 @@ impl<'a> Problem<'a> {
             let mut coordinate = coordinate_of(&p);
             coordinate.name = format!("{id}.{}", p.name);
             coordinate.log &= value > 0.0;
-            coordinate.bounds = if held || term.effect.begins_at() == Some(i) {
+            coordinate.bounds = if held || [term.effect.begins_at(), term.effect.ends_at()].contains(&Some(i))
+            {
                 [value; 2]
             } else {
                 [coordinate.bounds[0].min(value), coordinate.bounds[1].max(value)]
@@ -322,6 +323,28 @@ impl<'a> Problem<'a> {
             take(index, model.innovations(run, gain, rows(index), |k, point| visit(index, k, point))?);
         }
         Some(())
+    }
+
+    /// The disturbance moment that the predictor with these values estimates over the longest run; empty where it diverges.
+    pub fn residual_moment(&self, effects: &[&'static dyn Effect], values: &[f64]) -> ResidualMoment {
+        let lengths = self.data.runs.iter().map(Run::len).enumerate();
+        let Some((longest, _)) = lengths.max_by_key(|(_, length)| *length) else {
+            return ResidualMoment::default();
+        };
+        let unpacked = self.unpack(effects, values);
+        let (mut start, mut moment) = (0.0, Vec::new());
+        let visit = |index: usize, k: usize, point: &Point| {
+            if index == longest && (!moment.is_empty() || self.counted[index][k]) {
+                if moment.is_empty() {
+                    start = self.data.runs[index].time(k);
+                }
+                moment.push(unpacked.disturbance.moment(&point.x));
+            }
+        };
+        match self.track(&unpacked, visit, &mut |_, _| {}) {
+            Some(()) => ResidualMoment { start, step: self.data.runs[longest].step, moment },
+            None => ResidualMoment::default(),
+        }
     }
 
     /// The sampled model for a sample period.

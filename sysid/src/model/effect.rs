@@ -79,8 +79,29 @@ pub struct Conditions {
     pub small_rate: f64,
     /// The delayed command u_c, mean over the step.
     pub command: f64,
+    /// The delayed command at the beginning and at the end of the step.
+    pub command_ends: [f64; 2],
+    /// Command of the roll axis, in its unit; zero where it was not logged.
+    pub roll_command: f64,
+    /// Collective thrust relative to its mean, (T − T̄)/T̄; zero where it was not logged.
+    pub thrust: f64,
+    /// Supply voltage relative to its mean, (V − V̄)/V̄; zero where it was not logged.
+    pub voltage: f64,
+    /// Pitch inertia of the airframe, kg m².
+    pub inertia: f64,
     /// Sizes of the signals.
     pub sizes: Amplitudes,
+}
+
+/// What the model before leaves: its estimate of the moment that it lacks, over the longest run.
+#[derive(Clone, Debug, Default)]
+pub struct ResidualMoment {
+    /// Time of the first value since the start of its recording, s.
+    pub start: f64,
+    /// Sample period, s.
+    pub step: f64,
+    /// The moment, N m.
+    pub moment: Vec<f64>,
 }
 
 /// What an effect is called, and how it is told to a person.
@@ -104,10 +125,18 @@ pub struct About {
 pub trait Effect: Sync {
     /// What it is called and how it is told.
     fn about(&self) -> About;
+    /// Where its equation comes from: author and year.
+    fn source(&self) -> Option<&'static str> {
+        None
+    }
     /// Its parameters with bounds that suit the signals at hand.
     fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter>;
     /// Where the search for the parameters starts, one or more vectors.
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>>;
+    /// The same where what the model before leaves shows where to begin: a frequency, a moment in time.
+    fn starts_from(&self, data: &Amplitudes, _left: &ResidualMoment) -> Vec<Vec<f64>> {
+        self.starts(data)
+    }
     /// Whether it can be asked for at all with this baseline and these signals.
     fn applies(&self, _baseline: &Baseline, _data: &Dataset) -> bool {
         true
@@ -117,12 +146,33 @@ pub trait Effect: Sync {
     fn begins_at(&self) -> Option<usize> {
         None
     }
+    /// Index of a parameter that says nothing at the values `p`, which lie beyond what these data show: there it is no
+    /// unknown.
+    fn beyond_data(&self, _p: &[f64], _data: &Amplitudes) -> Option<usize> {
+        None
+    }
+    /// Index of the parameter that says where the effect acts: at zero it acts as well as anywhere.
+    fn acts_at(&self) -> Option<usize> {
+        None
+    }
+    /// Index of the parameter that is an angle: it counts modulo 2π.
+    fn turns(&self) -> Option<usize> {
+        None
+    }
+    /// Index of the parameter that is a moment in time up to which the effect acts.
+    fn ends_at(&self) -> Option<usize> {
+        None
+    }
     /// The class of effects that one excitation hardly separates from it.
     fn class(&self) -> Option<Class> {
         None
     }
     /// Whether `other` with the values `p` beside it is a facet of this very effect, and no second one.
     fn accounts_for(&self, _other: &dyn Effect, _p: &[f64], _data: &Amplitudes) -> bool {
+        false
+    }
+    /// Whether it holds `other` as its special case: where both explain the data alike, that is the simpler name.
+    fn generalises(&self, _other: &dyn Effect) -> bool {
         false
     }
     /// Whether it belongs to the background, which every model may have: then it is no finding.
@@ -143,6 +193,11 @@ pub trait Effect: Sync {
     fn gyro_lag(&self, _p: &[f64]) -> Option<f64> {
         None
     }
+    /// Time constant of a first-order filter between the angle at the IMU and its measurement, s. The model has room for one
+    /// filter behind the IMU: of the rate or of the angle.
+    fn angle_lag(&self, _p: &[f64]) -> Option<f64> {
+        None
+    }
     /// A third pole for the noise model.
     fn noise(&self, _p: &[f64]) -> Option<Third> {
         None
@@ -154,6 +209,10 @@ pub trait Effect: Sync {
     /// u_c → u_a, the mean over one step, with its own states `s`.
     fn actuate(&self, _p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
         u
+    }
+    /// Moment that the motion has no part in, N m, the mean over one step.
+    fn forcing(&self, _p: &[f64], _at: &Conditions) -> f64 {
+        0.0
     }
     /// Moment added to the airframe, N m, at pitch rate `q` and angle `theta`, with its own states `s`.
     fn moment(&self, _p: &[f64], _s: &[f64], _q: f64, _theta: f64, _at: &Conditions) -> f64 {
@@ -167,11 +226,14 @@ pub trait Effect: Sync {
     fn angle_rate(&self, _p: &[f64], _q: f64, _at: &Conditions) -> f64 {
         0.0
     }
+    /// Moves its own states over one step, with the mean over it of the airframe's pitch rate `q` in rad/s and angle `theta`
+    /// in rad.
+    fn follow(&self, _p: &[f64], _s: &mut [f64], _q: f64, _theta: f64, _at: &Conditions) {}
     /// Moves its own states over one step, with the pitch rate `q` in rad/s and angle `theta` in rad at the IMU and the
     /// acceleration `control` that the control moment gives the airframe in rad/s².
     fn sense(&self, _p: &[f64], _s: &mut [f64], _q: f64, _theta: f64, _control: f64, _at: &Conditions) {}
-    /// What the sensors make of the rate and angle `y` at the IMU.
-    fn measure(&self, _p: &[f64], _s: &[f64], y: Output) -> Output {
+    /// What the sensors make of the rate and angle `y` at the IMU; of the conditions, the roll rate is that of the sample.
+    fn measure(&self, _p: &[f64], _s: &[f64], y: Output, _at: &Conditions) -> Output {
         y
     }
     /// What the log can show of the sensors' `y`; after all that the sensors make.

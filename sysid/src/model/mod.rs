@@ -6,6 +6,7 @@ pub mod file;
 pub mod innovation_filter;
 pub mod kalman;
 pub mod noise;
+pub mod oscillator;
 pub mod pitch;
 pub mod plant;
 pub mod sampled;

@@ -52,6 +52,8 @@ pub struct Point {
     /// State of the plant.
     pub x: State,
     own: [f64; OWN_STATES],
+    /// Roll rate at this sample, rad/s.
+    roll_rate: f64,
 }
 
 /// Kalman gains of the predictor, one column per measured channel.
@@ -122,13 +124,32 @@ impl<'a> PitchModel<'a> {
         let longest = LONGEST_STEP.min(core::f64::consts::TAU / (SUBSTEPS_A_PERIOD * fastest));
         let substeps = (step / longest).ceil().clamp(1.0, MOST_SUBSTEPS) as usize;
         let dt = step / substeps as f64;
-        let (stiffness, damping) = linear_part(terms, sizes, dt);
+        if terms.iter().map(|term| term.effect.states()).sum::<usize>() > OWN_STATES {
+            return None;
+        }
+        let conditions = Conditions {
+            dt,
+            small_rate: REST * sizes.q,
+            sizes: *sizes,
+            inertia: plant.inertia,
+            ..Conditions::default()
+        };
+        let (stiffness, damping) = linear_part(terms, &conditions);
         let mut continuous = plant.state_matrix(stiffness, damping, disturbance);
-        let (mut rate, angle) = plant.measured();
-        if let Some(lag) = terms.iter().find_map(|term| term.effect.gyro_lag(&term.values)) {
-            continuous[(GYRO, rate)] = 1.0 / lag;
+        let (mut rate, mut angle) = plant.measured();
+        let lag = |of: fn(&Term) -> Option<f64>| terms.iter().find_map(of);
+        let (of_rate, of_angle) =
+            (lag(|t| t.effect.gyro_lag(&t.values)), lag(|t| t.effect.angle_lag(&t.values)));
+        let filtered = match (of_rate, of_angle) {
+            (None, None) => None,
+            (Some(lag), None) => Some((lag, &mut rate)),
+            (None, Some(lag)) => Some((lag, &mut angle)),
+            (Some(_), Some(_)) => return None,
+        };
+        if let Some((lag, measured)) = filtered {
+            continuous[(GYRO, *measured)] = 1.0 / lag;
             continuous[(GYRO, GYRO)] = -1.0 / lag;
-            rate = GYRO;
+            *measured = GYRO;
         }
         let mut block = SMatrix::<f64, { STATES + 2 }, { STATES + 2 }>::zeros();
         block.fixed_view_mut::<STATES, STATES>(0, 0).copy_from(&continuous);
@@ -142,8 +163,6 @@ impl<'a> PitchModel<'a> {
         if !block.amax().is_finite() || block.amax() > 1e4 {
             return None;
         }
-        let conditions =
-            Conditions { dt, small_rate: REST * sizes.q, sizes: *sizes, ..Conditions::default() };
         let terms = placed(terms);
         let at_the_end = Conditions { t: f64::MAX, ..conditions };
         let delay = plant.delay + later(&terms, &conditions);
@@ -272,13 +291,13 @@ impl<'a> PitchModel<'a> {
         let (rate, angle) = (first(&run.rate), first(&run.angle));
         let mut x = State::zeros();
         x[Q] = rate;
-        x[GYRO] = rate;
+        x[GYRO] = if self.measured.1 == GYRO { angle } else { rate };
         x[THETA] = angle;
         if self.plant.mount.is_some() {
             x[Q_IMU] = rate;
             x[THETA_IMU] = angle;
         }
-        Point { x, own: [0.0; OWN_STATES] }
+        Point { x, own: [0.0; OWN_STATES], roll_rate: at_row(&run.beside.roll_rate, 0) }
     }
 
     /// What the log shows at `point`.
@@ -289,7 +308,10 @@ impl<'a> PitchModel<'a> {
     fn sensed(&self, point: &Point) -> Output {
         let (rate, angle) = self.measured;
         let y = [point.x[rate], point.x[angle]];
-        let sense = |y, term: &Placed<'_>| term.effect.measure(term.values, &point.own[term.own.clone()], y);
+        let at = Conditions { roll_rate: point.roll_rate, ..self.conditions };
+        let sense = |y, Placed { effect, values, own }: &Placed<'_>| {
+            effect.measure(values, &point.own[own.clone()], y, &at)
+        };
         self.terms.iter().fold(y, sense)
     }
 
@@ -300,26 +322,33 @@ impl<'a> PitchModel<'a> {
     /// One sample further, from row `k` of `run` to row k+1. `false` when the state has diverged.
     pub fn advance(&self, point: &mut Point, run: &Run, k: usize) -> bool {
         let mut at = self.conditions;
-        if let Some(rows) = &run.roll_and_yaw {
+        if let Some(rows) = &run.beside.roll_and_yaw {
             [at.roll_rate, at.yaw_rate, at.roll] = rows[k];
         }
+        at.roll_command = at_row(&run.beside.roll_command, k);
+        at.thrust = at_row(&run.beside.thrust, k);
+        at.voltage = at_row(&run.beside.voltage, k);
         let mut driven = State::zeros();
         for (i, per_moment) in self.per_moment_of_substep.iter().enumerate() {
             at.t = run.elapsed(k) + i as f64 * at.dt;
             let delay =
                 if self.delay_moves { self.plant.delay + later(&self.terms, &at) } else { self.delay };
-            at.command = if delay == self.delay {
-                self.shifts[i][usize::from(run.held)].apply(&run.u, k)
+            let shift = if delay == self.delay {
+                self.shifts[i][usize::from(run.held)]
             } else {
-                Shift::new(delay, i, self.substeps, self.step, run.held).apply(&run.u, k)
+                Shift::new(delay, i, self.substeps, self.step, run.held)
             };
+            at.command = shift.apply(&run.u, k);
+            at.command_ends = shift.ends(&run.u, k);
             let control = self.plant.dm_du * self.actuated(point, &at);
+            let forced = self.terms.iter().map(|term| term.effect.forcing(term.values, &at)).sum::<f64>();
             if self.within_sample {
-                self.substep_with_terms(point, control, &at);
+                self.substep_with_terms(point, control, forced, &at);
             } else {
-                driven += per_moment * control;
+                driven += per_moment * (control + forced);
             }
         }
+        point.roll_rate = at_row(&run.beside.roll_rate, k + 1);
         if !self.within_sample {
             point.x = self.sample.apply(&point.x) + driven;
         }
@@ -336,25 +365,30 @@ impl<'a> PitchModel<'a> {
         u
     }
 
-    fn substep_with_terms(&self, point: &mut Point, control: f64, at: &Conditions) {
-        let before = point.x;
-        let (moment, angle_rate) = self.nonlinear(&before, &point.own, control, at);
+    /// One substep under the control moment `control` and the moment `forced` that the motion has no part in.
+    fn substep_with_terms(&self, point: &mut Point, control: f64, forced: f64, at: &Conditions) {
+        let (before, driving) = (point.x, control + forced);
+        let (moment, angle_rate) = self.nonlinear(&before, &point.own, driving, at);
         point.x = self.substep.apply(&before)
-            + self.per_moment * (control + moment)
+            + self.per_moment * (driving + moment)
             + self.per_angle_rate * angle_rate;
         let (corrected, corrected_rate) =
-            self.nonlinear(&((before + point.x) * 0.5), &point.own, control, at);
+            self.nonlinear(&((before + point.x) * 0.5), &point.own, driving, at);
         point.x +=
             self.per_moment * (corrected - moment) + self.per_angle_rate * (corrected_rate - angle_rate);
         let (rate, angle) = self.measured;
         let (q, theta, acceleration) = (point.x[rate], point.x[angle], control / self.plant.inertia);
+        let mean = |state: usize| 0.5 * (before[state] + point.x[state]);
+        let (mean_rate, mean_angle) = (mean(Q), mean(THETA));
         for Placed { effect, values, own } in &self.terms {
-            effect.sense(values, &mut point.own[own.clone()], q, theta, acceleration, at);
+            let own = &mut point.own[own.clone()];
+            effect.follow(values, own, mean_rate, mean_angle, at);
+            effect.sense(values, own, q, theta, acceleration, at);
         }
     }
 
     /// Moment and rate of the angle that the effects add to the linear model at state `x`.
-    fn nonlinear(&self, x: &State, own: &[f64; OWN_STATES], control: f64, at: &Conditions) -> (f64, f64) {
+    fn nonlinear(&self, x: &State, own: &[f64; OWN_STATES], driving: f64, at: &Conditions) -> (f64, f64) {
         let (q, theta) = (x[Q], x[THETA]);
         let (mut moment, mut angle_rate) = (self.stiffness * theta + self.damping * q, 0.0);
         for term in &self.terms {
@@ -363,7 +397,7 @@ impl<'a> PitchModel<'a> {
         }
         if self.inertia_changes {
             let inertia = inertia_factor(&self.terms, at);
-            let all = (self.moment_row * x)[0] + control + moment;
+            let all = (self.moment_row * x)[0] + driving + moment;
             moment += all * (1.0 / inertia - 1.0);
         }
         (moment, angle_rate)
@@ -447,6 +481,11 @@ fn impute(innovations: &mut [Output], censored: &[usize]) {
     }
 }
 
+/// Value of a column in row `k`, after its last row as it is there; zero where there is no column.
+fn at_row(column: &Option<Vec<f64>>, k: usize) -> f64 {
+    column.as_ref().and_then(|values| values.get(k).or(values.last())).copied().unwrap_or(0.0)
+}
+
 fn placed(terms: &[Term]) -> Vec<Placed<'_>> {
     let mut placed: Vec<Placed<'_>> = Vec::with_capacity(terms.len());
     for Term { effect, values } in terms {
@@ -468,11 +507,11 @@ fn inertia_factor(terms: &[Placed<'_>], at: &Conditions) -> f64 {
 
 /// Stiffness and damping (N m/rad, N m s/rad) that stand for the effects' moments in the mean, at the signals'
 /// sizes: statistical linearisation (Booton, 1954) by three Gauss–Hermite nodes.
-fn linear_part(terms: &[Term], sizes: &Amplitudes, dt: f64) -> (f64, f64) {
-    let at = Conditions { dt, small_rate: REST * sizes.q, sizes: *sizes, ..Conditions::default() };
+fn linear_part(terms: &[Term], at: &Conditions) -> (f64, f64) {
+    let sizes = &at.sizes;
     let own = [0.0; OWN_STATES];
     let moment = |q: f64, theta: f64| -> f64 {
-        terms.iter().map(|term| term.effect.moment(&term.values, &own, q, theta, &at)).sum()
+        terms.iter().map(|term| term.effect.moment(&term.values, &own, q, theta, at)).sum()
     };
     let root = 3f64.sqrt();
     let slope = |plus: f64, minus: f64, size: f64| -(plus - minus) / (2.0 * root * size);

@@ -6,6 +6,8 @@ pub struct Shift {
     rows: isize,
     /// Share of the later one of the two rows that meet there.
     share: f64,
+    /// Row and share of the one after it that the input has at the beginning and at the end of the substep.
+    ends: [(isize, f64); 2],
 }
 
 impl Shift {
@@ -22,14 +24,61 @@ impl Shift {
             let middle = begin + 0.5 * length;
             (middle.floor(), middle - middle.floor())
         };
-        Self { rows: from as isize, share: if share <= 1e-9 { 0.0 } else { share } }
+        let (rows, share) = (from as isize, if share <= 1e-9 { 0.0 } else { share });
+        let ends = [begin, begin + length].map(|place| {
+            // A switch at a boundary belongs to the substep that it begins.
+            let row = (place - 1e-9).floor();
+            (row as isize, if held { 0.0 } else { place - row })
+        });
+        Self { rows, share, ends }
     }
 
     /// The input; before its first row and after its last as it is there.
     pub fn apply(&self, u: &[f64], k: usize) -> f64 {
-        let last = u.len() - 1;
-        let at = |i: isize| u[usize::try_from(i).unwrap_or(0).min(last)];
         let first = k as isize + self.rows;
-        at(first) * (1.0 - self.share) + at(first + 1) * self.share
+        row(u, first) * (1.0 - self.share) + row(u, first + 1) * self.share
+    }
+
+    /// The input at the beginning and at the end of the substep.
+    pub fn ends(&self, u: &[f64], k: usize) -> [f64; 2] {
+        self.ends.map(|(rows, share)| {
+            let first = k as isize + rows;
+            row(u, first) * (1.0 - share) + row(u, first + 1) * share
+        })
+    }
+}
+
+fn row(u: &[f64], i: isize) -> f64 {
+    u[usize::try_from(i).unwrap_or(0).min(u.len() - 1)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_changes_of_all_substeps_add_up_to_the_jump_and_fall_where_it_arrives() {
+        let u: Vec<f64> = (0..40).map(|k| if k < 10 { 0.0 } else { 2.0 }).collect();
+        for delay in [0.0, 0.02, 0.05, 0.061] {
+            for held in [true, false] {
+                let mut sum = 0.0;
+                for k in 0..u.len() {
+                    for i in 0..2 {
+                        let [from, to] = Shift::new(delay, i, 2, 0.02, held).ends(&u, k);
+                        let change = to - from;
+                        let begin = 0.02 * k as f64 + 0.01 * i as f64;
+                        let arrives = 0.2 + delay;
+                        let near = if held {
+                            begin <= arrives + 1e-9 && arrives < begin + 0.01 - 1e-9
+                        } else {
+                            (begin - arrives).abs() < 0.031
+                        };
+                        assert!(change == 0.0 || near, "{delay} {held} {begin}");
+                        sum += change;
+                    }
+                }
+                assert!((sum - 2.0).abs() < 1e-12, "{delay} {held} {sum}");
+            }
+        }
     }
 }

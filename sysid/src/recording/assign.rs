@@ -96,10 +96,12 @@ fn add_own_column(sources: &mut Vec<Source>, new: Source) -> Result<(), Error> {
     if old.name == new.name {
         return Err(double_column(&new.name));
     }
-    if matches!(new.role, Role::Input(_)) {
+    if matches!(new.role, Role::Input(_) | Role::RollInput(_)) {
         let found = format!("two input columns, {} and {}", old.name, new.name);
         let advice = format!("choose one, e.g. --column {0}={0}, or delete the other", old.name);
-        return Err(Error::new(ErrorKind::Column, found, advice).expecting("exactly one input column"));
+        return Err(
+            Error::new(ErrorKind::Column, found, advice).expecting("exactly one input column for each axis")
+        );
     }
     if new.name == new.role.column() {
         sources[position] = new;

@@ -327,7 +327,7 @@ fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHo
     for signal in &mut table.signals {
         let old = &signal.values;
         let held = signal.source.role.is_held()
-            && !(signal.source.role.is_input() && hold == InputHold::Interpolated);
+            && !(signal.source.role.is_command() && hold == InputHold::Interpolated);
         let on_grid = |point: &Point| {
             let value = old[point.row];
             match old.get(point.row + 1) {

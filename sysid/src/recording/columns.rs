@@ -1,7 +1,7 @@
 //! The columns of the format: their names, units and roles.
 
 /// Names a file may use, in the order of the format's table.
-pub const KNOWN_COLUMNS: [&str; 19] = [
+pub const KNOWN_COLUMNS: [&str; 26] = [
     "t_s",
     "u_rad",
     "u_pct",
@@ -20,6 +20,13 @@ pub const KNOWN_COLUMNS: [&str; 19] = [
     "p_rad_s",
     "r_rad_s",
     "phi_rad",
+    "u_roll_rad",
+    "u_roll_pct",
+    "u_roll_V",
+    "u_roll_N_m",
+    "u_roll_N",
+    "u_roll_norm",
+    "thrust_norm",
     "battery_v",
 ];
 
@@ -54,6 +61,19 @@ impl InputUnit {
         }
     }
 
+    /// The name of the roll axis' command in a recording.
+    #[must_use]
+    pub fn roll_column(self) -> &'static str {
+        match self {
+            Self::Rad => "u_roll_rad",
+            Self::Percent => "u_roll_pct",
+            Self::Volt => "u_roll_V",
+            Self::NewtonMetre => "u_roll_N_m",
+            Self::Newton => "u_roll_N",
+            Self::Normalised => "u_roll_norm",
+        }
+    }
+
     /// The unit as it is printed; `1` for a normalised command.
     #[must_use]
     pub fn symbol(self) -> &'static str {
@@ -80,6 +100,8 @@ pub(super) enum Role {
     R,
     Phi,
     ThetaRef,
+    RollInput(InputUnit),
+    Thrust,
     Battery,
     Section,
     Supervised,
@@ -106,6 +128,13 @@ impl Role {
             "r_rad_s" => (Self::R, 1.0),
             "phi_rad" => (Self::Phi, 1.0),
             "theta_ref_rad" => (Self::ThetaRef, 1.0),
+            "u_roll_rad" => (Self::RollInput(InputUnit::Rad), 1.0),
+            "u_roll_pct" => (Self::RollInput(InputUnit::Percent), 1.0),
+            "u_roll_V" => (Self::RollInput(InputUnit::Volt), 1.0),
+            "u_roll_N_m" => (Self::RollInput(InputUnit::NewtonMetre), 1.0),
+            "u_roll_N" => (Self::RollInput(InputUnit::Newton), 1.0),
+            "u_roll_norm" => (Self::RollInput(InputUnit::Normalised), 1.0),
+            "thrust_norm" => (Self::Thrust, 1.0),
             "battery_v" => (Self::Battery, 1.0),
             "section" => (Self::Section, 1.0),
             "supervised" => (Self::Supervised, 1.0),
@@ -125,15 +154,18 @@ impl Role {
             Self::R => "r_rad_s",
             Self::Phi => "phi_rad",
             Self::ThetaRef => "theta_ref_rad",
+            Self::RollInput(unit) => unit.roll_column(),
+            Self::Thrust => "thrust_norm",
             Self::Battery => "battery_v",
             Self::Section => "section",
             Self::Supervised => "supervised",
         }
     }
 
-    /// Two columns with the same slot compete; all inputs share one.
+    /// Two columns with the same slot compete; all inputs of one axis share one.
     pub(super) fn same_slot(self, other: Self) -> bool {
-        matches!((self, other), (Self::Input(_), Self::Input(_))) || self == other
+        matches!((self, other), (Self::Input(_), Self::Input(_)) | (Self::RollInput(_), Self::RollInput(_)))
+            || self == other
     }
 
     /// Any of the input columns.
@@ -141,8 +173,13 @@ impl Role {
         matches!(self, Self::Input(_))
     }
 
+    /// A command, of whichever axis: between samples as the option for the input says.
+    pub(super) fn is_command(self) -> bool {
+        self.is_input() || matches!(self, Self::RollInput(_) | Self::Thrust)
+    }
+
     /// Commands and flags keep their value until the next sample; measured signals run straight between samples.
     pub(super) fn is_held(self) -> bool {
-        matches!(self, Self::Input(_) | Self::ThetaRef | Self::Section | Self::Supervised)
+        self.is_command() || matches!(self, Self::ThetaRef | Self::Section | Self::Supervised)
     }
 }

@@ -52,6 +52,10 @@ pub struct Recording {
     pub phi: Option<Vec<f64>>,
     /// Attitude reference, rad.
     pub theta_ref: Option<Vec<f64>>,
+    /// Command of the roll axis, in the unit of its column.
+    pub u_roll: Option<Vec<f64>>,
+    /// Collective thrust command, normalised.
+    pub thrust: Option<Vec<f64>>,
     /// Supply voltage, V.
     pub battery: Option<Vec<f64>>,
     /// Where the supervisor overrode the excitation; all false without the column.
@@ -175,6 +179,7 @@ fn parse_unnamed(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recor
         _ => None,
     });
     let u_unit = input.ok_or_else(|| Error::new(ErrorKind::Column, "no input column", "add one"))?;
+    let roll_input = table.signals.iter().map(|s| s.source.role).find(|r| matches!(r, Role::RollInput(_)));
     let columns = table.signals.iter().map(|signal| signal.source.as_map()).collect();
     let mut take = |role: Role| {
         let signal = table.signals.iter_mut().find(|s| s.source.role == role);
@@ -191,6 +196,8 @@ fn parse_unnamed(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recor
         r: take(Role::R),
         phi: take(Role::Phi),
         theta_ref: take(Role::ThetaRef),
+        u_roll: roll_input.and_then(&mut take),
+        thrust: take(Role::Thrust),
         battery: take(Role::Battery),
         supervised: if table.supervised.is_empty() { vec![false; table.t.len()] } else { table.supervised },
         t: table.t,

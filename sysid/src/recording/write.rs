@@ -26,6 +26,8 @@ impl Recording {
             ("r_rad_s", &self.r),
             ("phi_rad", &self.phi),
             ("theta_ref_rad", &self.theta_ref),
+            (self.roll_column(), &self.u_roll),
+            ("thrust_norm", &self.thrust),
             ("battery_v", &self.battery),
         ];
         columns.extend(optional.iter().filter_map(|(name, values)| Some((*name, values.as_deref()?))));
@@ -51,6 +53,13 @@ impl Recording {
             writer.write_record(label.into_iter().chain(flag))?;
         }
         writer.flush()
+    }
+
+    /// Name of the column of the roll axis' command.
+    fn roll_column(&self) -> &str {
+        let is_roll = |target: &&str| target.starts_with("u_roll_");
+        let unit = self.u_unit.roll_column();
+        self.columns.iter().map(|map| map.target.as_str()).find(is_roll).unwrap_or(unit)
     }
 
     /// The file's label of each row; `None` where one section called `all` is everything.

@@ -51,7 +51,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         rate: empty(),
         angle: empty(),
         rate_limit: f64::INFINITY,
-        roll_and_yaw: None,
+        beside: Default::default(),
         supervised: Vec::new(),
         sections: Vec::new(),
     };

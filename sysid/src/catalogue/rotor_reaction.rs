@@ -1,0 +1,65 @@
+//! Rotors that change their speed turn the body back.
+
+use crate::dataset::Amplitudes;
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+
+/// M += Jr u̇(t − τ): the reaction to the rotors' own angular acceleration, which yaw shows most (Pounds, Mahony and Corke,
+/// Control Engineering Practice 18, 2010).
+pub struct RotorReaction;
+
+impl Effect for RotorReaction {
+    fn about(&self) -> About {
+        About {
+            id: "rotor_reaction",
+            locus: Locus::Actuator,
+            sentence: "rotors that change their speed turn the body by their reaction",
+            equation: "M += Jr du/dt, u after the delay",
+            variable: "u_rate",
+            condition: "at each switch of the input, as a kick",
+        }
+    }
+    fn source(&self) -> Option<&'static str> {
+        Some("Pounds, Mahony and Corke, 2010")
+    }
+    fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
+        let gain = data.moment / data.u;
+        vec![Parameter {
+            name: "Jr",
+            unit: "N m s/unit",
+            lower: 0.1 * data.step * gain,
+            upper: 2.0 * gain,
+            scale: Scale::Log,
+        }]
+    }
+    fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
+        [0.02, 0.15].map(|lead| vec![lead * data.moment / data.u]).to_vec()
+    }
+    fn within_sample(&self) -> bool {
+        true
+    }
+    fn forcing(&self, p: &[f64], at: &Conditions) -> f64 {
+        let [from, to] = at.command_ends;
+        p[0] * (to - from) / at.dt
+    }
+    /// A kick early in the step turns the body for longer than one that is spread over it.
+    fn angle_rate(&self, p: &[f64], _q: f64, at: &Conditions) -> f64 {
+        let [from, to] = at.command_ends;
+        p[0] / at.inertia * (at.command - 0.5 * (from + to))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_switch_kicks_the_body_at_its_time() {
+        let (jr, inertia, dt) = (0.2, 0.1, 0.01);
+        // The command goes from 1 to 3 after a quarter of the step.
+        let at = Conditions { command: 2.5, command_ends: [1.0, 3.0], inertia, dt, ..Conditions::default() };
+        let rate = RotorReaction.forcing(&[jr], &at) * dt / inertia;
+        assert!((rate - 4.0).abs() < 1e-12);
+        let angle = 0.5 * rate * dt + RotorReaction.angle_rate(&[jr], 0.0, &at) * dt;
+        assert!((angle - rate * 0.75 * dt).abs() < 1e-12);
+    }
+}
