@@ -65,6 +65,7 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
             chosen_in: BTreeMap::new(),
             ceiling_vaf_percent: BTreeMap::from([("I".into(), 97.0)]),
         },
+        in_model: Vec::new(),
         remainder: Some(Remainder {
             words: "a friction that falls with the speed".into(),
             variable: "q".into(),

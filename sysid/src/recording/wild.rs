@@ -34,7 +34,7 @@ pub(super) fn bridge(table: &mut Table, notes: &mut Vec<Note>) {
         }
         let lines: Vec<String> = wild
             .iter()
-            .flat_map(|rows| rows.clone())
+            .flat_map(Range::clone)
             .take(LINES_TOLD)
             .map(|row| format!("line {} ({})", table.lines[row], signal.values[row]))
             .collect();
