@@ -173,8 +173,12 @@ fn headline(answer: &Answer) -> String {
         Verdict::Unlisted => "Something is missing that the catalogue does not list".into(),
         Verdict::Named => capitalised(&sentences.join("; and ")),
         Verdict::Ambiguous => {
-            let rivals: Vec<&str> =
-                answer.effects.iter().flat_map(|e| &e.alternatives).map(|a| a.id.as_str()).collect();
+            let mut rivals: Vec<&str> = Vec::new();
+            for rival in answer.effects.iter().flat_map(|e| &e.alternatives) {
+                if !rivals.contains(&rival.id.as_str()) {
+                    rivals.push(&rival.id);
+                }
+            }
             format!("{}, or instead {}", capitalised(&sentences.join("; and ")), rivals.join(" or "))
         }
     }
