@@ -1,0 +1,107 @@
+//! Experiments as they are made: releases, steps, tails at rest, few samples per period, inputs that follow the motion.
+
+use host_sim::plant::State as Airframe;
+use host_sim::{Background, Bench, Input, Plant, dirt};
+use sysid::diagnosis::answer::Verdict;
+use sysid::diagnosis::data_checks::State;
+use sysid::recording::{InputHold, ReadOptions};
+
+use crate::{
+    ask, ask_nominal, bench, check, effect, entry, estimate, ids, is_right, logged, model_of, read,
+    read_with, words,
+};
+
+#[test]
+fn what_is_held_out_has_something_to_show_where_the_tail_is_dead() {
+    let friction = effect("coulomb_friction", &[("Mc", 0.1)]);
+    let tail = Bench { works_s: [0.0, 60.0], duration_s: 90.0, ..bench(1, vec![friction]) };
+    let answer = ask_nominal(&logged(&tail));
+    assert_eq!((answer.verdict, ids(&answer)), (Verdict::Named, vec!["coulomb_friction"]));
+    for (label, held) in &answer.fit.held_out {
+        println!("{label}: {:.1} {:.1}", held.baseline.free_run, held.extended.free_run);
+        assert!(held.extended.free_run > 40.0, "{label}");
+    }
+}
+
+/// What is said of feedback where a binary input drives a rigid airframe.
+fn feedback_under(input: Input) -> State {
+    let plant = Plant::nominal().rigid();
+    let table = logged(&Bench { plant, input, ..bench(2, Vec::new()) });
+    let answer = ask(&[read(&table)], Some(&model_of(&plant, Vec::new()))).answer;
+    println!("{:?}", check(&answer, "feedback"));
+    check(&answer, "feedback").state
+}
+
+#[test]
+#[ignore = "the test of feedback looks 0.1 s ahead, and not at dwells"]
+fn feedback_through_the_dwell_is_not_ruled_out() {
+    let input = Input::PrbsByRate { amplitude: 0.015, dwell_s: [0.2, 0.4], lengthened: 0.6 };
+    assert_eq!(feedback_under(input), State::Found);
+}
+
+#[test]
+fn feedback_is_ruled_out_where_the_dwells_are_drawn() {
+    assert_eq!(feedback_under(Input::Prbs { amplitude: 0.015, dwell_s: [0.2, 0.4] }), State::RuledOut);
+}
+
+/// The stiffness of a Duffing oscillator is k3 = 37 N m/rad³, however coarsely it is sampled.
+fn k3_is_right(samples_per_period: f64, interpolated: bool) {
+    let oscillator = Bench::duffing(samples_per_period, interpolated, 3).expect("it exists");
+    let model = model_of(&oscillator.plant, vec![entry("gravity_stiffness", &[("G", 6.0)])]);
+    let input_hold = if interpolated { InputHold::Interpolated } else { InputHold::Held };
+    let options = ReadOptions { input_hold, ..ReadOptions::default() };
+    let answer = ask(&[read_with(&logged(&oscillator), &options)], Some(&model)).answer;
+    assert_eq!((answer.verdict, ids(&answer)), (Verdict::Named, vec!["cubic_stiffness"]));
+    let k3 = estimate(&answer, "cubic_stiffness", "k3");
+    assert!(is_right(k3, 37.0, 0.02), "{k3:?}");
+}
+
+macro_rules! cubic_stiffness {
+    ($($(#[$ignored:meta])? $test:ident $samples:literal $interpolated:literal)*) => {$(
+        #[test]
+        $(#[$ignored])?
+        fn $test() {
+            k3_is_right($samples, $interpolated);
+        }
+    )*};
+}
+
+cubic_stiffness! {
+    #[ignore = "the bounds of a candidate's parameter cross, and the search panics"]
+    a_cubic_stiffness_is_right_at_six_samples_per_period 6.0 false
+    #[ignore = "the bounds of a candidate's parameter cross, and the search panics"]
+    a_cubic_stiffness_is_right_at_six_samples_per_period_interpolated 6.0 true
+    a_cubic_stiffness_is_right_at_nine_samples_per_period 9.0 false
+    a_cubic_stiffness_is_right_at_nine_samples_per_period_interpolated 9.0 true
+    a_cubic_stiffness_is_right_at_twenty_samples_per_period 20.0 false
+}
+
+/// A rigid airframe on a spring.
+fn sprung(seed: u64) -> Bench {
+    let plant = Plant { delay_s: 0.0, ..Plant::nominal().rigid() };
+    let spring = effect("gravity_stiffness", &[("G", 1.0)]);
+    Bench { plant, background: Background::Clean, duration_s: 20.0, ..bench(seed, vec![spring]) }
+}
+
+#[test]
+#[ignore = "an input that never changes counts as no excitation"]
+fn a_step_before_the_first_row_informs_by_its_transient() {
+    let step = Bench { input: Input::Step { height: 0.01 }, ..sprung(4) };
+    let table = dirt::cut(logged(&step), [0.1, 20.0]);
+    let model = model_of(&step.plant, vec![entry("gravity_stiffness", &[("G", 1.2)])]);
+    let answer = ask(&[read(&table)], Some(&model)).answer;
+    assert_eq!(answer.verdict, Verdict::NoMismatch);
+    assert!(is_right(estimate(&answer, "gravity_stiffness", "G"), 1.0, 0.1));
+    assert!(words(&answer).contains("before the first row"), "the past of the input is not told");
+}
+
+#[test]
+#[ignore = "an input that never changes counts as no excitation"]
+fn a_ring_down_from_a_release_informs() {
+    let start = Airframe { theta: 0.3, theta_p: 0.3, ..Airframe::default() };
+    let release = Bench { input: Input::Rest, start, ..sprung(5) };
+    let model = model_of(&release.plant, vec![entry("gravity_stiffness", &[("G", 1.2)])]);
+    let answer = ask(&[read(&logged(&release))], Some(&model)).answer;
+    assert_eq!(answer.verdict, Verdict::NoMismatch);
+    assert!(is_right(estimate(&answer, "gravity_stiffness", "G"), 1.0, 0.1));
+}

@@ -1,0 +1,81 @@
+//! Vehicles that fly freely under a controller of their own.
+
+use host_sim::{FreeFlight, Setting, Table, dirt};
+use sysid::diagnosis::answer::{Answer, Verdict};
+use sysid::model::file::ModelFile;
+use sysid::recording::{ReadOptions, Recording};
+
+use crate::{ask, effect, entry, ids, model_of, read, read_with};
+
+const PITCH: usize = 1;
+
+/// A flight whose pitch axis has `effects`, its log averaged down to 50 Hz, and a model that leaves the delay open.
+fn flown(
+    seed: u64,
+    effects: Vec<Setting>,
+    turn: impl FnOnce(FreeFlight) -> FreeFlight,
+) -> (Table, ModelFile) {
+    let mut flight = FreeFlight { tick_s: 0.004, ..FreeFlight::new(seed).expect("it exists") };
+    flight.effects[PITCH] = effects;
+    let flight = turn(flight);
+    let table = dirt::averaged(flight.fly().expect("it flies").table, 5);
+    let mut model = model_of(&flight.plants[PITCH], Vec::new());
+    model.plant.delay_s = None;
+    (table, model)
+}
+
+fn none_of(answer: &Answer, strangers: &[&str]) {
+    let seen: Vec<&str> = ids(answer).into_iter().filter(|id| strangers.contains(id)).collect();
+    assert!(seen.is_empty() || answer.verdict != Verdict::Named, "{seen:?}");
+}
+
+#[test]
+#[ignore = "windows are told to 3 s, and a slow gust takes the load"]
+fn a_load_that_hangs_on_twice_is_told_by_its_windows() {
+    let pull = |from: f64, to: f64| effect("moment_step", &[("M0", 0.05), ("t0", from), ("t1", to)]);
+    let effects = vec![effect("servo_lag", &[("T", 0.04)]), pull(15.0, 20.0), pull(40.0, 45.0)];
+    let (table, mut model) = flown(1, effects, FreeFlight::pitch_alone);
+    model.effects = vec![entry("servo_lag", &[("T", 0.04)])];
+    let answer = ask(&[read(&table)], Some(&model)).answer;
+    assert!(matches!(answer.verdict, Verdict::Unlisted | Verdict::Named));
+    none_of(&answer, &["inertia_step", "gyro_lag", "gyro_bias", "effectiveness_fade"]);
+    let windows = answer.location.expect("it is somewhere").time_s;
+    println!("{windows:?}");
+    for [from, to] in [[15.0, 20.0], [40.0, 45.0]] {
+        let near = |window: &&[f64; 2]| (window[0] - from).abs() < 0.3 && (window[1] - to).abs() < 0.3;
+        assert!(windows.iter().find(near).is_some(), "{from} to {to} s is not told");
+    }
+}
+
+#[test]
+fn the_lag_of_motors_in_a_loop_is_one_class_of_lags() {
+    for seed in [2, 3] {
+        let (table, model) = flown(seed, vec![effect("servo_lag", &[("T", 0.06)])], |flight| {
+            FreeFlight { angles_logged: false, ..flight }.pitch_alone()
+        });
+        let answer = ask(&[read(&table)], Some(&model)).answer;
+        let lags = ["servo_lag", "gyro_lag", "extra_delay", "inflow_lag"];
+        assert_eq!(answer.effects.len(), 1);
+        assert!(lags.contains(&answer.effects[0].id.as_str()));
+        let named = answer.verdict == Verdict::Named && ids(&answer) == ["servo_lag"];
+        let ambiguous = answer.verdict == Verdict::Ambiguous
+            && answer.effects[0].alternatives.iter().all(|rival| lags.contains(&rival.id.as_str()));
+        assert!(named || ambiguous);
+    }
+}
+
+#[test]
+fn axes_that_move_beside_pitch_make_no_mount_mode_or_fade() {
+    let (table, model) = {
+        let feed = effect("cross_feed", &[("c", 0.055)]);
+        flown(4, vec![effect("servo_lag", &[("T", 0.04)]), feed], |flight| flight)
+    };
+    let options = ReadOptions {
+        columns: vec!["u_norm=u_pitch_norm".parse().expect("it is a map")],
+        ..ReadOptions::default()
+    };
+    let recording: Recording = read_with(&table, &options);
+    let answer = ask(&[recording], Some(&model)).answer;
+    none_of(&answer, &["imu_mount", "structural_mode", "effectiveness_fade", "inertia_step", "clock_skew"]);
+    assert!(answer.effects.len() < 4);
+}
