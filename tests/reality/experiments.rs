@@ -67,9 +67,7 @@ macro_rules! cubic_stiffness {
 }
 
 cubic_stiffness! {
-    #[ignore = "the bounds of a candidate's parameter cross, and the search panics"]
     a_cubic_stiffness_is_right_at_six_samples_per_period 6.0 false
-    #[ignore = "the bounds of a candidate's parameter cross, and the search panics"]
     a_cubic_stiffness_is_right_at_six_samples_per_period_interpolated 6.0 true
     a_cubic_stiffness_is_right_at_nine_samples_per_period 9.0 false
     a_cubic_stiffness_is_right_at_nine_samples_per_period_interpolated 9.0 true

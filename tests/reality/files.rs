@@ -10,7 +10,6 @@ use crate::{
 };
 
 #[test]
-#[ignore = "times count from the file's first row"]
 fn times_are_those_of_the_files_clock() {
     let change = effect("inertia_step", &[("delta", 0.35), ("t_star", 40.0)]);
     let table = dirt::clock_from(logged(&bench(1, vec![change])), 180.0);
@@ -27,7 +26,6 @@ fn times_are_those_of_the_files_clock() {
 }
 
 #[test]
-#[ignore = "wild samples stay in, and pass for degrees"]
 fn a_few_wild_samples_are_left_out_counted_and_change_nothing() {
     let clean = logged(&bench(2, vec![effect("coulomb_friction", &[("Mc", 0.1)])]));
     let without = ask_nominal(&clean);

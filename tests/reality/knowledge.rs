@@ -73,7 +73,6 @@ fn is_per_unit_inertia_and_said_so(table: &Table) {
 }
 
 #[test]
-#[ignore = "the assumption of unit inertia is not told"]
 fn a_normalised_input_without_a_model_is_per_unit_inertia_and_said_so() {
     let flight = FreeFlight { tick_s: 0.004, ..FreeFlight::new(7).expect("it exists") };
     let flown = flight.pitch_alone().fly().expect("it flies").table;

@@ -4,6 +4,7 @@ use super::answer::{Answer, FitAnswer, Location, Verdict};
 use super::building::{build, model_answer};
 use super::ceiling::ceilings;
 use super::data_checks::{self, DataCheck};
+use super::describe;
 use super::excitation;
 use super::judgement::Judgement;
 use super::levels::PARTS;
@@ -77,15 +78,17 @@ pub fn diagnose_with(
         Some(model) => Baseline::from_model(model, &data)?,
         None => Baseline::from_data(&data),
     };
+    let notes = || {
+        let mut notes = data.notes(recordings);
+        if model.is_none() {
+            notes.push(describe::assumed(&baseline));
+        }
+        notes
+    };
     let parts = parts(&data, PARTS);
     let problem = Problem::new(&data, &baseline, &[]);
     let unanswered = |fitted: Option<&Visited>, verdict, summary, location| {
-        unanswered(
-            &problem,
-            &parts,
-            fitted,
-            Unanswered { verdict, summary, location, notes: data.notes(recordings) },
-        )
+        unanswered(&problem, &parts, fitted, Unanswered { verdict, summary, location, notes: notes() })
     };
     let dm_du = model.and_then(|m| m.plant.dm_du);
     let mut checks = data_checks::of_recordings(recordings, &data, dm_du);
@@ -127,7 +130,7 @@ pub fn diagnose_with(
     }
     progress("holding out each section");
     let judgement = Judgement::new(&problem, &parts, selection);
-    with_checks(build(&judgement, data.notes(recordings)), checks)
+    with_checks(build(&judgement, notes()), checks)
 }
 
 /// What an answer without physics says.

@@ -363,7 +363,8 @@ fn coordinate_of(p: &Parameter) -> Coordinate {
         Scale::Log => (true, 1.0),
         Scale::Linear(step) => (false, step),
     };
-    coordinate(p.name, p.unit, [p.lower, p.upper], log, step)
+    // At a coarse sampling a range may be empty: then the parameter is held.
+    coordinate(p.name, p.unit, [p.lower, p.upper.max(p.lower)], log, step)
 }
 
 fn coordinate(name: &str, unit: &str, bounds: [f64; 2], log: bool, unit_step: f64) -> Coordinate {

@@ -15,6 +15,8 @@ use crate::recording::{InputUnit, Recording};
 const NEAR: f64 = 1.2;
 /// Ratios of the two gains, in ln, that missing physics and the model's error explain.
 const TOLERABLE: f64 = 1.5;
+/// The columns of the measured motion.
+const MOTION: [&str; 2] = ["q_rad_s", "theta_rad"];
 const NO_MODEL: &str = "no model says what the response to the input should be";
 
 /// ∂M/∂u of the data and of the user's model.
@@ -92,8 +94,8 @@ impl<'a> Response<'a> {
         let in_radians = self.recordings.iter().all(|r| r.u_unit == InputUnit::Rad);
         let wrong = if in_radians && near(1.0 / DEGREES) {
             Some(("the input is", vec![self.column()]))
-        } else if near(DEGREES) {
-            Some(("the measured motion is", vec!["q_rad_s", "theta_rad"]))
+        } else if near(DEGREES) && self.motion_is_large() {
+            Some(("the measured motion is", MOTION.to_vec()))
         } else {
             None
         };
@@ -102,6 +104,15 @@ impl<'a> Response<'a> {
             let words = format!("{what} in degrees where radians belong: {described}; read it with {advice}");
             return DataCheck::found(CAUSE, Gravity::Stops, words);
         }
+        if near(DEGREES) {
+            let advice = self.option(&MOTION, 1.0 / DEGREES);
+            return DataCheck::cannot_tell(
+                CAUSE,
+                format!(
+                    "{described}: either the model's value is a placeholder, or the motion is in degrees (then read it with {advice})"
+                ),
+            );
+        }
         looks_wrong().unwrap_or_else(|| {
             if ratio.ln().abs() < TOLERABLE {
                 DataCheck::ruled_out(CAUSE, described)
@@ -109,6 +120,11 @@ impl<'a> Response<'a> {
                 DataCheck::cannot_tell(CAUSE, format!("{described}, which is no unit's factor"))
             }
         })
+    }
+
+    /// Whether rate or angle is larger than radians are.
+    fn motion_is_large(&self) -> bool {
+        MOTION.iter().any(|column| self.recordings.iter().any(|r| too_large(r, column).is_some()))
     }
 
     fn column(&self) -> &'static str {
