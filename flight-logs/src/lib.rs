@@ -103,6 +103,29 @@ impl Log {
         self.info.iter().find(|(known, _)| known == key).map(|(_, text)| text.as_str())
     }
 
+    /// First and last time (s) of all rows; `None` where there are none.
+    #[must_use]
+    pub fn span_s(&self) -> Option<[f64; 2]> {
+        let times = self.topics.iter().flat_map(|topic| &topic.time_s);
+        let [from, to] =
+            times.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &t| [low.min(t), high.max(t)]);
+        (from <= to).then_some([from, to])
+    }
+
+    /// Leaves of the rows those with `from` ≤ time < `to` (s), and of the topics those that then have rows.
+    pub fn keep(&mut self, from: f64, to: f64) {
+        for topic in &mut self.topics {
+            let kept: Vec<bool> = topic.time_s.iter().map(|t| (from..to).contains(t)).collect();
+            let retain = |values: &mut Vec<f64>| {
+                let mut kept = kept.iter();
+                values.retain(|_| kept.next().is_some_and(|&keep| keep));
+            };
+            topic.fields.iter_mut().for_each(|field| retain(&mut field.values));
+            retain(&mut topic.time_s);
+        }
+        self.topics.retain(|topic| !topic.time_s.is_empty());
+    }
+
     /// Keeps the first value of a parameter; a later, different one becomes a message.
     fn set_parameter(&mut self, time_s: f64, name: &str, value: f64, known: &mut Known) {
         match known.get_mut(name) {

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-use flight_logs::axes::{Axis, Formula, Proposal, propose};
+use flight_logs::axes::{Axis, Channel, Formula, Proposal, propose};
 use flight_logs::{Field, Format, Log, Topic, read};
 
 /// A topic: name, rows per second, name and size of each field.
@@ -136,6 +136,25 @@ fn values_that_are_not_set_are_left_out() {
     log.topics[0].fields[0].values[7] = f64::NAN;
     let series = propose(&log, Axis::Pitch).channels.rate.expect("found").series(&log);
     assert_eq!((series.values.len(), series.time_s[7]), (199, 8.0 / 250.0));
+}
+
+#[test]
+fn channels_by_hand_and_a_part_of_the_log() {
+    let mut log = made(Format::ULog, &[("sensor_gyro", 250.0, &[("x", 1.0), ("y", 1.0)])]);
+    let mut second = log.topics[0].clone();
+    second.instance = 1;
+    log.topics.push(second);
+    let named = |name: &str| Channel::named(&log, name, -2.0, "rad/s").map(|channel| channel.to_string());
+    assert_eq!(named("sensor_gyro.1.y").as_deref(), Some("sensor_gyro.1.y * -2"));
+    assert_eq!(named("sensor_gyro.y").as_deref(), Some("sensor_gyro.y * -2"));
+    assert_eq!([named("sensor_gyro"), named("sensor_gyro.z"), named("gyro.y")], [None, None, None]);
+
+    log.keep(0.1, 0.2);
+    assert_eq!(log.topics[1].time_s.len(), log.topics[1].fields[1].values.len());
+    let [from, to] = log.span_s().expect("rows are left");
+    assert!(from >= 0.1 && to < 0.2 && log.topics[0].time_s.len() == 25, "{from} {to}");
+    log.keep(5.0, 6.0);
+    assert!(log.topics.is_empty() && log.span_s().is_none());
 }
 
 /// The file of this name among the logs beside this checkout; `None`, with a word, where there are none.

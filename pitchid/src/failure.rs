@@ -80,6 +80,18 @@ impl From<sysid::error::Error> for Failure {
     }
 }
 
+impl From<flight_logs::Error> for Failure {
+    fn from(error: flight_logs::Error) -> Self {
+        let full = error.to_string();
+        let (message, _) = full.split_once("\n  ").unwrap_or((&full, ""));
+        let help = match &error.expected {
+            Some(expected) => format!("expected {expected}; {}", error.advice),
+            None => error.advice.to_string(),
+        };
+        Self::new(message, help)
+    }
+}
+
 impl From<benchmark::Error> for Failure {
     fn from(error: benchmark::Error) -> Self {
         match error {

@@ -7,6 +7,7 @@ mod board;
 mod commands;
 mod failure;
 mod format;
+mod logs;
 mod output;
 mod progress;
 mod report;

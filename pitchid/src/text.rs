@@ -13,12 +13,14 @@ pub fn paragraph(text: &str) -> String {
     indented(text, "", "")
 }
 
-fn indented(text: &str, first: &str, further: &str) -> String {
+/// A paragraph with a start of its own.
+pub fn indented(text: &str, first: &str, further: &str) -> String {
     let options = textwrap::Options::new(width().into()).initial_indent(first).subsequent_indent(further);
     format!("{}\n", textwrap::fill(text, options))
 }
 
-fn heading(text: &str) -> String {
+/// A line with a blank line before it.
+pub fn heading(text: &str) -> String {
     format!("\n{text}\n")
 }
 

@@ -99,7 +99,7 @@ fn help_version_and_no_arguments() {
         &bench.answered(&["--help"]),
         &["diagnose", "identify", "reproduce", "simulate", "demo", "prove", "fly", "record", "Exit status"],
     );
-    for subcommand in ["diagnose", "identify", "simulate", "demo", "prove"] {
+    for subcommand in ["diagnose", "identify", "show", "simulate", "demo", "prove"] {
         assert_names(&bench.answered(&[subcommand, "--help"]), &["Examples:", "Exit status"]);
     }
     assert_names(&bench.refused(&[]), &["Usage"]);

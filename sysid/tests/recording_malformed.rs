@@ -164,16 +164,16 @@ fn format_cases() -> Vec<Case> {
     let offset = latin1.iter().position(|&b| b == 0xb0).unwrap();
     assert_eq!(offset, file(HEADER, &[]).len() + 4);
     vec![
-        case("ULog", *b"ULog\x01\x12\x35\x01", Format, None, None, &["PX4 flight log", "convert it to CSV"]),
+        case("ULog", *b"ULog\x01\x12\x35\x01", Format, None, None, &["PX4 flight log", "pitchid show"]),
         case(
             "blackbox",
             "H Product:Blackbox flight data recorder\n",
             Format,
             None,
             None,
-            &["Betaflight", "convert"],
+            &["Betaflight", "pitchid show"],
         ),
-        case("DataFlash", *b"\xa3\x95\x80\x80", Format, None, None, &["ArduPilot", "convert"]),
+        case("DataFlash", *b"\xa3\x95\x80\x80", Format, None, None, &["ArduPilot", "pitchid show"]),
         case(
             "spreadsheet",
             *b"PK\x03\x04rest",

@@ -336,3 +336,41 @@ fn sealed_recordings_raise_no_alarm_about_clock_unit_or_sign() {
         assert!(recording.notes.iter().all(|note| harmless.contains(&note.kind)), "{}", file.display());
     }
 }
+
+#[test]
+fn signals_without_a_file_keep_their_names_and_have_no_lines() {
+    use sysid::recording::{ColumnMap, ReadOptions, from_signals};
+    let map = |target: &str, source: &str, factor| ColumnMap {
+        target: target.into(),
+        source: source.into(),
+        factor,
+    };
+    let t: Vec<f64> =
+        (0..120).filter(|k| !(50..60).contains(k)).map(|k| 7.0 + 0.004 * f64::from(k)).collect();
+    let wave = |size: f64| t.iter().map(|t| size * (9.0 * t).sin()).collect::<Vec<f64>>();
+    let signals =
+        || vec![(map("u_norm", "input", 1.0), wave(0.2)), (map("q_rad_s", "RATE.P", 0.0174533), wave(1.0))];
+    let options = ReadOptions::default();
+    let recording = from_signals("flight.bin", t.clone(), signals(), &options).unwrap();
+    assert_eq!((recording.segments.len(), recording.len(), recording.t[0]), (2, 110, 7.0));
+    assert_eq!(recording.q.as_deref().unwrap()[3], wave(1.0)[3], "the factor has been applied already");
+    assert_eq!(
+        recording.option_to_scale("q_rad_s", -1.0).as_deref(),
+        Some("--column 'q_rad_s=RATE.P*-0.0174533'")
+    );
+    let gap = recording.notes.iter().find(|note| note.kind == NoteKind::Gap).expect("a gap is told");
+    assert!(gap.text.contains("(10 samples missing)"), "{}", gap.text);
+
+    let refused = |t: Vec<f64>, signals| from_signals("flight.bin", t, signals, &options).unwrap_err();
+    let mut back = t.clone();
+    back[30] = 1.0;
+    let error = refused(back, signals());
+    assert_eq!((error.line, error.file.as_deref()), (None, Some("flight.bin")));
+    assert!(error.found.contains("backwards"), "{error}");
+    let mut holed = signals();
+    holed[1].1[4] = f64::NAN;
+    let error = refused(t.clone(), holed);
+    assert!(error.found.contains("row 5") && error.column.as_deref() == Some("RATE.P"), "{error}");
+    assert!(refused(t.clone(), signals()[..1].to_vec()).found.contains("neither"));
+    assert!(refused(t.clone(), signals()[1..].to_vec()).found.contains("no input"));
+}

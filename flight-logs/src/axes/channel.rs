@@ -62,6 +62,16 @@ pub struct Series {
 }
 
 impl Channel {
+    /// The field that a user names as `topic.field`, or `topic.instance.field`, times `factor`; `None` where the log
+    /// has none of this name.
+    #[must_use]
+    pub fn named(log: &Log, name: &str, factor: f64, unit: &'static str) -> Option<Self> {
+        log.topics.iter().find_map(|topic| {
+            let field = name.strip_prefix(&topic.title())?.strip_prefix('.')?;
+            Self::sum(topic, &[(field.to_owned(), factor)], unit, "as asked")
+        })
+    }
+
     /// The sum of fields of a topic, if they are all there.
     pub(super) fn sum(
         topic: &Topic,

@@ -102,12 +102,23 @@ impl Proposal {
 /// Proposes the channels of `axis`; or says what hinders, and what to set.
 #[must_use]
 pub fn propose(log: &Log, axis: Axis) -> Proposal {
-    let channels = match log.format {
+    assess(log, axis, channels(log, axis))
+}
+
+/// The channels of `axis` that the flight stack is known to log.
+#[must_use]
+pub fn channels(log: &Log, axis: Axis) -> Channels {
+    match log.format {
         Format::ULog | Format::Ulog2Csv => px4::channels(log, axis),
         Format::DataFlash | Format::DataFlashText => ardupilot::channels(log, axis),
         Format::Blackbox => betaflight::channels(log, axis),
         Format::Tlog => telemetry(log, axis),
-    };
+    }
+}
+
+/// Says of channels, also of others than those of [`channels`], what hinders, and what to set.
+#[must_use]
+pub fn assess(log: &Log, axis: Axis, channels: Channels) -> Proposal {
     let mut hindrances = Vec::new();
     let mut slow = false;
     for (channel, what) in [(&channels.input, "input"), (&channels.rate, "angular rate")] {

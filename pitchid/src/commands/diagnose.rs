@@ -11,6 +11,8 @@ use sysid::diagnosis::{Diagnosis, diagnose};
 
 /// Says what physics the model of these recordings leaves out, and what adding it gains
 ///
+/// Reads recordings, and the logs of PX4, ArduPilot, Betaflight and INAV as they are (see pitchid show).
+///
 /// Prints the verdict, a summary, the checks of the data, the VAF before and after of each section by models that were
 /// selected and fitted without it, the parameters with units and 95 % intervals, where the model differs, what is left, and
 /// the next experiment where candidates remain.
@@ -45,6 +47,7 @@ Verdicts:
 Examples:
   pitchid diagnose flight.csv --model sim.toml --report flight.html --out-model extended.toml
   pitchid diagnose log.csv --column q_rad_s=gyro_y --section I=5..30 --section IV=65..90
+  pitchid diagnose flight.ulg --axis roll --time 120..160
   pitchid diagnose rig.csv --input interpolated --json - | jq .verdict
 
 Exit status: 0 a diagnosis was made, whatever it says; 2 the input could not be used.";

@@ -31,6 +31,7 @@ pub struct Arguments {
 const AFTER_HELP: &str = "\
 Examples:
   pitchid identify flight.csv
+  pitchid identify flight.bin --axis roll
   pitchid identify test1.csv test2.csv --out-model fitted.toml --json fitted.json
 
 Exit status: 0 identified; 2 the input could not be used.";

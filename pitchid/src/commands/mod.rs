@@ -9,6 +9,7 @@ mod prove;
 mod reading;
 mod record;
 mod reproduce;
+mod show;
 mod simulate;
 
 use crate::failure::Failure;
@@ -26,6 +27,7 @@ pub struct Cli {
 const AFTER_HELP: &str = "\
 Examples:
   pitchid demo                                        see it all at work, without data of your own
+  pitchid show flight.ulg                             what a log holds, and whether it can serve
   pitchid diagnose flight.csv --model sim.toml --report flight.html
   pitchid identify test1.csv test2.csv --out-model fitted.toml
   pitchid reproduce paper --seeds 20
@@ -46,6 +48,7 @@ enum Command {
     Prove(prove::Arguments),
     Record(record::Arguments),
     Reproduce(reproduce::Arguments),
+    Show(show::Arguments),
     Simulate(simulate::Arguments),
 }
 
@@ -62,6 +65,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Prove(arguments) => prove::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Show(arguments) => show::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
     }
 }

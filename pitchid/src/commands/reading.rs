@@ -1,6 +1,8 @@
 //! Recordings and models as arguments.
 
 use crate::failure::Failure;
+use crate::logs::recording::recording;
+use crate::logs::{AxisName, Source, TimeSpan, choose, open, refuse_options};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use sysid::catalogue::model_file::read_model;
@@ -10,7 +12,7 @@ use sysid::recording::{ColumnMap, InputHold, ReadOptions, Recording, SectionSpec
 /// Which recordings, and how they are to be read.
 #[derive(Args)]
 pub struct Reading {
-    /// Recordings (CSV) of one vehicle; several are one data set
+    /// Recordings (CSV) or flight logs of one vehicle; several are one data set
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
 
@@ -18,7 +20,8 @@ pub struct Reading {
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
 
-    /// A column of another name, with a factor where the unit differs: q_rad_s=gyro_y, 'q_rad_s=gy*0.0174533'
+    /// A column of another name, with a factor where the unit differs: q_rad_s=gyro_y, 'q_rad_s=gy*0.0174533'; of a flight
+    /// log, topic.field, or input, rate, angle for what `pitchid show` proposes: 'u_norm=input*-1'
     #[arg(long = "column", value_name = "NAME=EXPR", help_heading = "Reading")]
     columns: Vec<ColumnMap>,
 
@@ -38,10 +41,22 @@ pub struct Reading {
     /// The input between samples: held (a command) or interpolated (it was measured)
     #[arg(long, value_name = "HOLD", default_value = "held", help_heading = "Reading")]
     input: InputHold,
+
+    /// The axis of a flight log [default: pitch]
+    #[arg(long, value_name = "AXIS", help_heading = "Flight logs")]
+    axis: Option<AxisName>,
+
+    /// Which flight of a log that holds several, counted from 1
+    #[arg(long, value_name = "N", help_heading = "Flight logs")]
+    flight: Option<usize>,
+
+    /// The part of it to use, in seconds of the log's own clock
+    #[arg(long, value_name = "FROM..TO", help_heading = "Flight logs", allow_hyphen_values = true)]
+    time: Option<TimeSpan>,
 }
 
 impl Reading {
-    /// Reads all recordings.
+    /// Reads all recordings, and makes recordings of flight logs.
     pub fn recordings(&self) -> Result<Vec<Recording>, Failure> {
         let options = ReadOptions {
             input_hold: self.input,
@@ -50,7 +65,29 @@ impl Reading {
             sections: self.sections.clone(),
             ..ReadOptions::default()
         };
-        self.recordings.iter().map(|path| Ok(read(path, &options)?)).collect()
+        let sources = open(&self.recordings, &self.columns)?;
+        sources.into_iter().map(|source| self.recording(source, &options)).collect()
+    }
+
+    fn recording(&self, source: Source, options: &ReadOptions) -> Result<Recording, Failure> {
+        let flights = match source {
+            Source::Log(flights) => flights,
+            Source::Recording(path) => {
+                refuse_options(
+                    &path,
+                    [
+                        ("--axis", self.axis.is_some()),
+                        ("--flight", self.flight.is_some()),
+                        ("--time", self.time.is_some()),
+                    ],
+                )?;
+                return Ok(read(&path, options)?);
+            }
+        };
+        let mut flight = choose(flights, self.flight)?;
+        flight.cut(self.time.as_ref())?;
+        let axis = self.axis.unwrap_or(AxisName::Pitch);
+        recording(&flight, axis.into(), options, self.model.is_some())
     }
 
     /// Reads the user's model, with its name.

@@ -90,9 +90,9 @@ fn drop_duplicates(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), Error
     }
     let (Some(&first), Some(&last)) = (dropped.first(), dropped.last()) else { return Ok(()) };
     let text = format!(
-        "{} dropped: same time and values as the row before (first in line {}, t = {} s)",
+        "{} dropped: same time and values as the row before (first {}t = {} s)",
         counted(dropped.len(), "duplicate row"),
-        table.lines[first],
+        table.lines.get(first).map_or("at ".to_owned(), |line| format!("in line {line}, ")),
         table.t[first]
     );
     notes.push(Note::over(NoteKind::Duplicate, table.t[first], table.t[last], text));
@@ -135,10 +135,10 @@ fn bad_order(table: &Table, row: usize) -> Error {
             "write the time with more decimals, or delete the rows of one of the two sources",
         )
     };
-    Error::new(ErrorKind::Clock, found, advice)
-        .at_line(table.lines[row] as usize)
+    let error = Error::new(ErrorKind::Clock, found, advice)
         .in_column(table.time_column.as_str())
-        .expecting("time stamps that grow from row to row")
+        .expecting("time stamps that grow from row to row");
+    Error { line: table.lines.get(row).map(|&line| line as usize), ..error }
 }
 
 fn median_step(t: &[f64]) -> f64 {
@@ -161,10 +161,11 @@ fn check_step(table: &Table, step: f64) -> Result<(), Error> {
         s if s < 5e5 => scaled("microseconds", "0.000001"),
         _ => scaled("nanoseconds", "0.000000001"),
     };
-    Err(Error::new(ErrorKind::Clock, format!("a step of {step:.6} s between samples (median)"), advice)
-        .at_line(table.lines.get(1).map_or(1, |&line| line as usize))
-        .in_column(column.as_str())
-        .expecting(format!("a step between {:e} and {} s", STEPS.start, STEPS.end)))
+    let error =
+        Error::new(ErrorKind::Clock, format!("a step of {step:.6} s between samples (median)"), advice)
+            .in_column(column.as_str())
+            .expecting(format!("a step between {:e} and {} s", STEPS.start, STEPS.end));
+    Err(Error { line: table.lines.get(1).map(|&line| line as usize), ..error })
 }
 
 fn split_at_gaps(t: &[f64], median: f64) -> Vec<Range<usize>> {
@@ -239,9 +240,9 @@ fn note_gaps(table: &Table, stretches: &[Range<usize>], step: f64, notes: &mut V
         let (from, to) = (t[rows.start - 1], t[rows.start]);
         let missing = ((to - from) / step).round() - 1.0;
         let text = format!(
-            "gap of {:.3} s after t = {from} s (line {}; {missing} samples missing): the recording is split there, nothing is interpolated across it",
+            "gap of {:.3} s after t = {from} s ({}{missing} samples missing): the recording is split there, nothing is interpolated across it",
             to - from,
-            table.lines[rows.start]
+            table.lines.get(rows.start).map_or(String::new(), |line| format!("line {line}; "))
         );
         notes.push(Note::over(NoteKind::Gap, from, to, text));
     }
@@ -344,7 +345,9 @@ fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHo
     if !table.supervised.is_empty() {
         table.supervised = rows().map(|row| table.supervised[row]).collect();
     }
-    table.lines = rows().map(|row| table.lines[row]).collect();
+    if !table.lines.is_empty() {
+        table.lines = rows().map(|row| table.lines[row]).collect();
+    }
     table.t = times;
 }
 

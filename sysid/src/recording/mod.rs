@@ -26,6 +26,7 @@ pub use options::{ColumnMap, InputHold, ReadOptions, SectionSpec};
 
 use crate::error::{Error, ErrorKind};
 use columns::Role;
+use table::Table;
 
 /// A recording on a uniform grid, SI units; every series has the length of `t`, and every number is finite.
 #[derive(Clone, Debug, PartialEq)]
@@ -167,7 +168,35 @@ pub fn parse(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recording
 
 fn parse_unnamed(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recording, Error> {
     let mut notes = Vec::new();
-    let mut table = table::read(text, options, &mut notes)?;
+    let table = table::read(text, options, &mut notes)?;
+    on_grid(name, table, options, notes)
+}
+
+/// Makes a recording of signals that stand in no CSV file, e.g. of a flight log: times `t` (s) and as many values of
+/// each signal, in the unit of its column.
+///
+/// Each [`ColumnMap`] names the column of the format (`target`) and what the user knows the signal as (`source`), so that
+/// a remedy reads `--column 'target=source*factor'`. Clock, sections and checks are those of [`parse`];
+/// [`ReadOptions::columns`] is not used.
+///
+/// # Errors
+/// As [`parse`], without lines; a number that is not finite, and signals that are not as long as `t`.
+pub fn from_signals(
+    name: &str,
+    t: Vec<f64>,
+    signals: Vec<(ColumnMap, Vec<f64>)>,
+    options: &ReadOptions,
+) -> Result<Recording, Error> {
+    let table = Table::of_signals(t, signals).map_err(|error| error.in_file(name))?;
+    on_grid(name, table, options, Vec::new()).map_err(|error| error.in_file(name))
+}
+
+fn on_grid(
+    name: &str,
+    mut table: Table,
+    options: &ReadOptions,
+    mut notes: Vec<Note>,
+) -> Result<Recording, Error> {
     sections::relabel(&mut table, options, &mut notes)?;
     wild::bridge(&mut table, &mut notes);
     let grid = clock::onto_grid(&mut table, options, &mut notes)?;

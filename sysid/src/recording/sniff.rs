@@ -17,7 +17,7 @@ const SIGNATURES: [(&[u8], &str, &str); 12] = [
     (&[0xFF, 0xFE], "UTF-16 text", "save it as UTF-8"),
     (&[0xFE, 0xFF], "UTF-16 text", "save it as UTF-8"),
 ];
-const LOG_ADVICE: &str = "convert it to CSV with the columns of the recording format first";
+const LOG_ADVICE: &str = "give it to pitchid show, diagnose or identify, which read it as it is";
 
 /// The text without its byte order mark, if these bytes can be a CSV file at all.
 pub(super) fn text(bytes: &[u8]) -> Result<&str, Error> {

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 use super::assign::{Source, assign};
-use super::columns::Role;
-use super::options::ReadOptions;
+use super::columns::{KNOWN_COLUMNS, Role};
+use super::options::{ColumnMap, ReadOptions};
 use super::{Note, sniff};
 use crate::error::{Error, ErrorKind, quote};
 
@@ -33,8 +33,50 @@ pub(super) struct Table {
     pub(super) label_names: Vec<String>,
     /// Empty without a `supervised` column.
     pub(super) supervised: Vec<bool>,
-    /// Line of the file of each row.
+    /// Line of the file of each row; empty where the rows come from no file of lines.
     pub(super) lines: Vec<u32>,
+}
+
+impl Table {
+    /// The table of signals that are not read from lines; rows are counted from 1 in errors.
+    pub(super) fn of_signals(t: Vec<f64>, signals: Vec<(ColumnMap, Vec<f64>)>) -> Result<Self, Error> {
+        let mut table = Self { t, time_column: Role::Time.column().to_owned(), ..Self::default() };
+        check_finite(&table.t, LARGEST_TIME, &table.time_column, table.t.len())?;
+        for (index, (map, values)) in signals.into_iter().enumerate() {
+            let Some((role, factor)) = Role::of(&map.target) else {
+                let found = format!("{} is not a column of the format", quote(&map.target));
+                let advice = format!("use one of {}", KNOWN_COLUMNS.join(", "));
+                return Err(Error::new(ErrorKind::Column, found, advice));
+            };
+            check_finite(&values, LARGEST_VALUE, &map.source, table.t.len())?;
+            let values = values.into_iter().map(|value| factor * value).collect();
+            let source = Source { role, index, name: map.source, factor: factor * map.factor };
+            if table.signals.iter().any(|s| s.source.role.same_slot(role)) {
+                let found = format!("two signals for {}", map.target);
+                return Err(Error::new(ErrorKind::Column, found, "give one"));
+            }
+            table.signals.push(Signal { source, values });
+        }
+        if !table.signals.iter().any(|s| matches!(s.source.role, Role::Q | Role::Theta)) {
+            let found = "neither pitch rate nor pitch angle";
+            return Err(Error::new(ErrorKind::Column, found, "give q_rad_s or theta_rad"));
+        }
+        Ok(table)
+    }
+}
+
+fn check_finite(values: &[f64], largest: f64, column: &str, rows: usize) -> Result<(), Error> {
+    let refuse = |found: String, advice| Err(Error::new(ErrorKind::Value, found, advice).in_column(column));
+    if values.len() != rows {
+        return refuse(format!("{} values for {rows} times", values.len()), "give each time one value");
+    }
+    match values.iter().position(|value| !value.is_finite() || value.abs() > largest) {
+        Some(row) => refuse(
+            format!("found {} in row {}", values[row], row + 1),
+            "leave out the rows without a measurement: a missing row is treated as a gap",
+        ),
+        None => Ok(()),
+    }
 }
 
 /// Splits one line into fields; the buffers are kept from line to line.

@@ -1,0 +1,156 @@
+//! What is shown of a log, as text.
+
+use super::content::{Shown, ShownAxis, ShownFlight, ShownRecording};
+use crate::format::plain;
+use crate::logs::excitation::Span;
+use crate::text::{heading, indented, paragraph, table};
+
+/// Spans that are listed; the others are counted.
+const MOST_SPANS: usize = 6;
+
+/// All, one after the other.
+pub fn text(shown: &[Shown]) -> String {
+    let texts = shown.iter().map(|shown| match shown {
+        Shown::Flight(flight) => of_flight(flight),
+        Shown::Recording(recording) => of_recording(recording),
+    });
+    texts.collect::<Vec<_>>().join("\n\n")
+}
+
+fn of_flight(flight: &ShownFlight) -> String {
+    let unknown = "firmware not told";
+    let mut head =
+        format!("{}: {}, {}", flight.name, flight.format, flight.firmware.as_deref().unwrap_or(unknown));
+    if let Some(vehicle) = &flight.vehicle {
+        head += &format!(", {vehicle}");
+    }
+    if let Some([from, to]) = flight.time_s {
+        head += &format!("; {:.1} s, from {from:.3} to {to:.3} s of its clock", to - from);
+    }
+    let mut text = paragraph(&head);
+    for axis in &flight.axes {
+        text += &of_axis(axis, flight);
+    }
+    let rows = flight.topics.iter().map(|topic| {
+        vec![
+            topic.name.clone(),
+            topic.rows.to_string(),
+            topic.rate_hz.map_or("-".into(), |rate| format!("{rate:.1}")),
+            topic.gaps.to_string(),
+            format!("{:.3}", topic.time_s[0]),
+            format!("{:.3}", topic.time_s[1]),
+        ]
+    });
+    text += &heading("Topics");
+    text += &table(&["topic", "rows", "Hz", "gaps", "from, s", "to, s"], rows, 1);
+    text + &notes(&flight.notes)
+}
+
+fn of_axis(axis: &ShownAxis, flight: &ShownFlight) -> String {
+    let verdict = if axis.can_serve { "can serve" } else { "cannot serve" };
+    let mut text = heading(&format!("{}: {verdict}", axis.axis.to_uppercase()));
+    let mut line = |words: &str| text += &indented(words, "  ", "    ");
+    for channel in &axis.channels {
+        let rate = channel.rate_hz.map_or("a single row".into(), |rate| format!("{rate:.1} Hz"));
+        line(&format!("{}: {}, {rate}: {}", channel.role, channel.source, channel.reason));
+    }
+    for words in moving(&axis.excitation) {
+        line(&words);
+    }
+    for hindrance in &axis.hindrances {
+        line(&format!("hindered: {hindrance}"));
+    }
+    for caution in &axis.cautions {
+        line(&format!("doubtful: {caution}"));
+    }
+    for setting in &axis.settings {
+        let now = setting.now.map_or(String::new(), |now| format!(" (now {now})"));
+        line(&format!("set {} = {}{now}: {}", setting.parameter, setting.value, setting.effect));
+    }
+    if axis.can_serve {
+        let number = if flight.name == flight.file || flight.name.contains(" and ") {
+            String::new()
+        } else {
+            format!(" --flight {}", flight.flight)
+        };
+        let longest = axis.excitation.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
+        let time = longest
+            .map(|span| format!(" --time {}..{}", span.time_s[0].floor(), span.time_s[1].ceil()))
+            .unwrap_or_default();
+        line(&format!("next: pitchid diagnose {} --axis {}{number}{time}", flight.file, axis.axis));
+    }
+    text
+}
+
+fn length(span: &Span) -> f64 {
+    span.time_s[1] - span.time_s[0]
+}
+
+fn moving(spans: &[Span]) -> Vec<String> {
+    let mut longest: Vec<&Span> = spans.iter().collect();
+    longest.sort_by(|a, b| length(b).total_cmp(&length(a)));
+    let (told, rest) = longest.split_at(longest.len().min(MOST_SPANS));
+    let mut told = told.to_vec();
+    told.sort_by(|a, b| a.time_s[0].total_cmp(&b.time_s[0]));
+    let mut lines: Vec<String> = told
+        .into_iter()
+        .map(|span| {
+            let band = match span.band_rad_s {
+                Some([low, high]) => format!(", {} to {} rad/s", plain(low), plain(high)),
+                None => String::new(),
+            };
+            format!(
+                "moves: {:.1} to {:.1} s{band}; input ± {}, rate ± {} rad/s",
+                span.time_s[0],
+                span.time_s[1],
+                plain(span.input_deviation),
+                plain(span.rate_deviation)
+            )
+        })
+        .collect();
+    if !rest.is_empty() {
+        let seconds: f64 = rest.iter().map(|span| length(span)).sum();
+        lines.push(format!("moves: {} shorter spans, {seconds:.0} s together", rest.len()));
+    }
+    if lines.is_empty() {
+        lines.push("moves: nowhere for 3 s".into());
+    }
+    lines
+}
+
+fn of_recording(recording: &ShownRecording) -> String {
+    let [from, to] = recording.time_s;
+    let mut text = paragraph(&format!(
+        "{}: {}; {} rows at {} Hz, {} gaps; {:.1} s, from {from:.3} to {to:.3} s of its clock",
+        recording.name,
+        recording.format,
+        recording.rows,
+        plain(recording.rate_hz),
+        recording.gaps,
+        to - from
+    ));
+    let columns: Vec<String> = recording
+        .columns
+        .iter()
+        .map(|[column, own]| if column == own { column.clone() } else { format!("{column} (from {own})") })
+        .collect();
+    text += &indented(&format!("columns: {}", columns.join(", ")), "  ", "    ");
+    for words in moving(&recording.excitation) {
+        text += &indented(&words, "  ", "    ");
+    }
+    let rows = recording.sections.iter().map(|section| {
+        let [from, to] = section.time_s;
+        vec![section.label.clone(), section.rows.to_string(), format!("{from:.3}"), format!("{to:.3}")]
+    });
+    text += &heading("Sections");
+    text += &table(&["section", "rows", "from, s", "to, s"], rows, 1);
+    text + &notes(&recording.notes)
+}
+
+fn notes(notes: &[String]) -> String {
+    if notes.is_empty() {
+        return String::new();
+    }
+    let lines: Vec<String> = notes.iter().map(|note| indented(note, "  - ", "    ")).collect();
+    heading("Noticed") + &lines.concat()
+}

@@ -1,0 +1,181 @@
+//! Flight logs as recordings: what a file is, which flight of it is meant, and its channels on one clock.
+
+pub mod align;
+pub mod excitation;
+pub mod recording;
+
+use crate::failure::Failure;
+use clap::ValueEnum;
+use flight_logs::axes::Axis;
+use flight_logs::{Format, Log, sniff};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use sysid::recording::{ColumnMap, SectionSpec};
+
+/// Bytes of a file that tell what it is.
+const HEAD: u64 = 1 << 16;
+
+/// One of the axes, as an argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AxisName {
+    /// About the axis that points forward
+    Roll,
+    /// About the axis that points to the right
+    Pitch,
+    /// About the axis that points down
+    Yaw,
+}
+
+impl From<AxisName> for Axis {
+    fn from(name: AxisName) -> Self {
+        match name {
+            AxisName::Roll => Self::Roll,
+            AxisName::Pitch => Self::Pitch,
+            AxisName::Yaw => Self::Yaw,
+        }
+    }
+}
+
+/// One `--time FROM..TO`: FROM ≤ t < TO, seconds of the log's own clock; either end may be left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeSpan {
+    /// First time, s.
+    pub from: f64,
+    /// Time before which it ends, s.
+    pub to: f64,
+}
+
+impl FromStr for TimeSpan {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let span = format!("all={text}").parse::<SectionSpec>();
+        let span = span.map_err(|_| "write FROM..TO in seconds, e.g. 31.5..62".to_owned())?;
+        Ok(Self { from: span.from, to: span.to })
+    }
+}
+
+/// One of the flights in a log.
+pub struct Flight {
+    /// The file, with the flight's number where there are several.
+    pub name: String,
+    /// The file, or the first of those that make the log.
+    pub path: PathBuf,
+    /// Counted from 1.
+    pub number: usize,
+    /// What was logged.
+    pub log: Log,
+}
+
+/// What a file turned out to be.
+pub enum Source {
+    /// A CSV file in the project's format, or what is to be refused as such.
+    Recording(PathBuf),
+    /// The flights in a log.
+    Log(Vec<Flight>),
+}
+
+/// Tells recordings from logs, and reads the logs; CSV files of `ulog2csv` are one log.
+///
+/// A map to `t_s` says that a CSV file is a recording.
+pub fn open(paths: &[PathBuf], columns: &[ColumnMap]) -> Result<Vec<Source>, Failure> {
+    let mut sources = Vec::new();
+    let mut tables: Vec<&Path> = Vec::new();
+    for path in paths {
+        match format_of(path, columns) {
+            None => sources.push(Source::Recording(path.clone())),
+            Some(Format::Ulog2Csv) => tables.push(path),
+            Some(_) => sources.push(Source::Log(flights(&[path])?)),
+        }
+    }
+    if !tables.is_empty() {
+        sources.push(Source::Log(flights(&tables)?));
+    }
+    Ok(sources)
+}
+
+/// The format of a flight log; `None` of anything else, and of what cannot be read.
+fn format_of(path: &Path, columns: &[ColumnMap]) -> Option<Format> {
+    let mut head = Vec::new();
+    std::fs::File::open(path).ok()?.take(HEAD).read_to_end(&mut head).ok()?;
+    let format = sniff(&head)?;
+    let first = head.split(|&byte| byte == b'\n').next().unwrap_or_default();
+    let timed = first.split(|&byte| byte == b',').any(|cell| cell.trim_ascii() == b"t_s");
+    let mapped = columns.iter().any(|map| map.target == "t_s");
+    (format != Format::Ulog2Csv || !(timed || mapped)).then_some(format)
+}
+
+fn flights(paths: &[&Path]) -> Result<Vec<Flight>, Failure> {
+    let logs = flight_logs::read(paths)?;
+    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+    let (name, several) = (names.join(" and "), logs.len() > 1);
+    let path = paths.first().map(|path| path.to_path_buf()).unwrap_or_default();
+    let flights = logs.into_iter().zip(1..).map(|(log, number)| Flight {
+        name: if several { format!("{name}, flight {number}") } else { name.clone() },
+        path: path.clone(),
+        number,
+        log,
+    });
+    Ok(flights.collect())
+}
+
+/// The one flight that is meant; `number` counts from 1.
+pub fn choose(mut flights: Vec<Flight>, number: Option<usize>) -> Result<Flight, Failure> {
+    let listed: Vec<String> = flights.iter().map(described).collect();
+    let file = flights.first().map(|flight| flight.path.display().to_string()).unwrap_or_default();
+    let choice = match number {
+        None if flights.len() == 1 => 0,
+        None => {
+            let found = format!("{file}: {} flights in it: {}", flights.len(), listed.join(", "));
+            return Err(Failure::new(found, "choose one with --flight N"));
+        }
+        Some(number) if (1..=flights.len()).contains(&number) => number - 1,
+        Some(number) => {
+            let found = format!("{file}: no flight {number}; there are {}", listed.join(", "));
+            return Err(Failure::new(found, "choose one of these with --flight N"));
+        }
+    };
+    Ok(flights.swap_remove(choice))
+}
+
+impl Flight {
+    /// Leaves of the log what lies in `span`.
+    pub fn cut(&mut self, span: Option<&TimeSpan>) -> Result<(), Failure> {
+        let (Some(TimeSpan { from, to }), Some([first, last])) = (span, self.log.span_s()) else {
+            return Ok(());
+        };
+        self.log.keep(*from, *to);
+        if self.log.topics.is_empty() {
+            let found = format!("{}: nothing is logged in --time {from}..{to}", self.name);
+            return Err(Failure::new(found, format!("its clock runs from {first:.3} to {last:.3} s")));
+        }
+        Ok(())
+    }
+}
+
+/// Refuses, for a recording, options that are for flight logs alone: name, and whether it was given.
+pub fn refuse_options(path: &Path, options: [(&str, bool); 3]) -> Result<(), Failure> {
+    let Some((option, _)) = options.into_iter().find(|(_, given)| *given) else { return Ok(()) };
+    let found = format!("{}: {option} is for flight logs, this is none", path.display());
+    let help = "choose parts of a recording with --section NAME=FROM..TO, its columns with --column";
+    Err(Failure::new(found, help))
+}
+
+fn described(flight: &Flight) -> String {
+    let length = flight.log.span_s().map_or(0.0, |[from, to]| to - from);
+    format!("{} ({length:.1} s)", flight.number)
+}
+
+/// The format as people call it.
+pub fn format_name(format: Format) -> &'static str {
+    match format {
+        Format::ULog => "PX4 ULog",
+        Format::DataFlash => "ArduPilot DataFlash",
+        Format::DataFlashText => "ArduPilot DataFlash, text",
+        Format::Blackbox => "blackbox",
+        Format::Tlog => "MAVLink tlog",
+        Format::Ulog2Csv => "PX4 ULog, CSV files of ulog2csv",
+        _ => "flight log",
+    }
+}

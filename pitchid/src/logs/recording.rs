@@ -1,0 +1,163 @@
+//! A flight of a log as a recording of one axis.
+
+use super::Flight;
+use super::align::align;
+use crate::failure::Failure;
+use flight_logs::Log;
+use flight_logs::axes::{Axis, Channel, Proposal, Series, Setting, assess, channels};
+use sysid::recording::{ColumnMap, Note, NoteKind, ReadOptions, Recording, from_signals};
+
+/// Names of the proposed channels in `--column`, and the columns that they make.
+const OWN: [(&str, &str); 3] = [("input", "u_norm"), ("rate", "q_rad_s"), ("angle", "theta_rad")];
+/// Fields that a message lists.
+const MOST_LISTED: usize = 12;
+
+/// The channels that were chosen, and what a recording calls them.
+pub struct Choice {
+    /// The channels, and whether they serve.
+    pub proposal: Proposal,
+    /// Of input, rate and angle: the column, the name that the user knows, and the factor on top of the channel's own.
+    picks: [Pick; 3],
+}
+
+#[derive(Clone)]
+struct Pick {
+    map: ColumnMap,
+    factor: f64,
+    by_hand: bool,
+}
+
+/// The channels of an axis, those by hand before those that are proposed.
+pub fn choose_channels(log: &Log, axis: Axis, maps: &[ColumnMap]) -> Result<Choice, Failure> {
+    let mut channels = channels(log, axis);
+    let mut picks = OWN.map(|(source, target)| Pick {
+        map: ColumnMap { target: target.into(), source: source.into(), factor: 1.0 },
+        factor: 1.0,
+        by_hand: false,
+    });
+    let proposed = [channels.input.clone(), channels.rate.clone(), channels.angle.clone()];
+    for map in maps {
+        let option = format!("--column {}={}", map.target, map.source);
+        let (slot, target, unit, to_si) = match map.target.as_str() {
+            "q_rad_s" => (1, "q_rad_s", "rad/s", 1.0),
+            "q_deg_s" => (1, "q_rad_s", "rad/s", 1_f64.to_radians()),
+            "theta_rad" => (2, "theta_rad", "rad", 1.0),
+            "theta_deg" => (2, "theta_rad", "rad", 1_f64.to_radians()),
+            input if input.starts_with("u_") => (0, input, "", 1.0),
+            _ => {
+                let help = "of a flight log, map the input (u_norm, u_V, ...), q_rad_s or theta_rad";
+                return Err(Failure::new(format!("{option}: not a channel of a flight log"), help));
+            }
+        };
+        let factor = to_si * map.factor;
+        let own = OWN.iter().position(|(name, _)| *name == map.source);
+        let (channel, more) = match own {
+            Some(own) => (proposed[own].clone(), factor),
+            None => (Channel::named(log, &map.source, factor, unit), 1.0),
+        };
+        let Some(channel) = channel else { return Err(unknown(log, &option, &map.source)) };
+        let place = [&mut channels.input, &mut channels.rate, &mut channels.angle];
+        for (k, place) in place.into_iter().enumerate() {
+            if k == slot {
+                *place = Some(channel.clone());
+            }
+        }
+        let map = ColumnMap { target: target.into(), source: map.source.clone(), factor };
+        picks[slot] = Pick { map, factor: more, by_hand: true };
+    }
+    Ok(Choice { proposal: assess(log, axis, channels), picks })
+}
+
+fn unknown(log: &Log, option: &str, source: &str) -> Failure {
+    let of = log.topics.iter().filter(|topic| source.starts_with(&topic.title()));
+    let topic = of.max_by_key(|topic| topic.title().len());
+    let (mut listed, all): (Vec<String>, usize) = match topic {
+        Some(topic) => (
+            topic.fields.iter().map(|field| format!("{}.{}", topic.title(), field.name)).collect(),
+            topic.fields.len(),
+        ),
+        None => (log.topics.iter().map(flight_logs::Topic::title).collect(), log.topics.len()),
+    };
+    listed.truncate(MOST_LISTED);
+    if all > MOST_LISTED {
+        listed.push(format!("and {} more", all - MOST_LISTED));
+    }
+    let help = format!(
+        "name a field as topic.field, or what is proposed as input, rate or angle; there are {}",
+        listed.join(", ")
+    );
+    Failure::new(format!("{option}: the log has no channel {source}"), help)
+}
+
+/// The recording of one axis of a flight.
+pub fn recording(
+    flight: &Flight,
+    axis: Axis,
+    options: &ReadOptions,
+    has_model: bool,
+) -> Result<Recording, Failure> {
+    let log = &flight.log;
+    let choice = choose_channels(log, axis, &options.columns)?;
+    let proposal = &choice.proposal;
+    let (Some(input), Some(rate), true) =
+        (&proposal.channels.input, &proposal.channels.rate, proposal.serves())
+    else {
+        return Err(refusal(flight, proposal));
+    };
+    let [u, q, theta] = &choice.picks;
+    let scaled = |channel: &Channel, pick: &Pick| {
+        let series = channel.series(log);
+        Series { values: series.values.iter().map(|value| pick.factor * value).collect(), ..series }
+    };
+    let angle = proposal.channels.angle.as_ref();
+    let attitude = angle.map(|angle| scaled(angle, theta));
+    let aligned = align(&scaled(input, u), &scaled(rate, q), attitude.as_ref(), theta.by_hand);
+    let aligned = aligned.map_err(|found| {
+        Failure::new(format!("{}: {found}", flight.name), "cut what is sound with --time FROM..TO")
+    })?;
+    let mut signals = vec![(u.map.clone(), aligned.input), (q.map.clone(), aligned.rate)];
+    let mut told = format!("{}: input {input}, {axis} rate {rate}", flight.name);
+    if let (Some(values), Some(angle)) = (aligned.angle, angle) {
+        told += &format!(", angle {angle}");
+        signals.push((theta.map.clone(), values));
+    }
+    if axis != Axis::Pitch {
+        told += &format!("; what is called pitch here is {axis}");
+    }
+    let mut notes = vec![told];
+    if !has_model {
+        let unit = "no model was given: unit inertia is assumed, moments are angular accelerations in rad/s²";
+        notes.push(unit.to_owned());
+    }
+    if !u.by_hand {
+        let loop_closed = "the input is what the autopilot's controller asks for: the loop is closed";
+        notes.push(loop_closed.to_owned());
+    }
+    notes.extend(aligned.notes);
+    notes.extend(proposal.cautions.iter().chain(&log.notes).cloned());
+    let mut recording = from_signals(&flight.name, aligned.t, signals, options)?;
+    let notes = notes.into_iter().map(|text| Note { kind: NoteKind::Converted, time_s: None, text });
+    recording.notes.splice(0..0, notes);
+    Ok(recording)
+}
+
+fn refusal(flight: &Flight, proposal: &Proposal) -> Failure {
+    let file = flight.path.display();
+    let found = format!(
+        "{}: cannot serve to identify {}: {}",
+        flight.name,
+        proposal.axis,
+        proposal.hindrances.join("; ")
+    );
+    let help = match settings(&proposal.settings) {
+        text if text.is_empty() => format!("pitchid show {file} tells what is in it"),
+        text => format!("before the next flight set {text}; pitchid show {file} tells what is in it"),
+    };
+    Failure::new(found, help)
+}
+
+/// Parameters with their values, and what each does.
+fn settings(settings: &[Setting]) -> String {
+    let words = settings.iter().map(|s| format!("{} = {} ({})", s.parameter, s.value, s.effect));
+    words.collect::<Vec<_>>().join(", ")
+}
