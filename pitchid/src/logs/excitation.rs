@@ -60,7 +60,7 @@ pub fn spans(input: &Series, rate: Option<&Series>) -> Vec<Span> {
     found.into_iter().map(span).collect()
 }
 
-fn inside<'a>(series: &'a Series, [from, to]: [f64; 2]) -> &'a [f64] {
+fn inside(series: &Series, [from, to]: [f64; 2]) -> &[f64] {
     let place = |time: f64| series.time_s.partition_point(|&t| t < time);
     series.values.get(place(from)..place(to)).unwrap_or_default()
 }
