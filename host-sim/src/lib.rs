@@ -25,7 +25,7 @@
 //! | [`air`] | kinds of background |
 //! | [`surroundings`] | roll, yaw, thrust and battery beside the pitch axis |
 //! | [`reading`], [`recording`] | what the IMU reads, and the rows that a rig would log |
-//! | [`bench`], [`excitation`] | tests without the core: steps, ring-downs, tones, dead tails, any rate of the log |
+//! | [`mod@bench`], [`excitation`] | tests without the core: steps, ring-downs, tones, dead tails, any rate of the log |
 //! | [`free_flight`] | three axes under a controller of 500 Hz |
 //! | [`table`], [`dirt`] | a recording of any columns, and what happens to it on the way to a file |
 //! | [`trial`] | a case of a proof, drawn by a seed: what is concealed, how large, before which background |

@@ -103,7 +103,7 @@ fn recordings_are_shown_too() {
     let table = "t_s,u_norm,q_rad_s,section\n".to_owned() + &rows.collect::<String>();
     std::fs::write(folder.path().join("flight.csv"), table).unwrap();
     let text = answered(folder.path(), &["show", "flight.csv"]);
-    for part in ["500 rows at 50 Hz", "u_norm, q_rad_s", "moves: 0.0 to 9.0 s", "IV"] {
+    for part in ["500 rows at 50.0 Hz", "u_norm, q_rad_s", "moves: 0.0 to 9.0 s", "IV"] {
         assert!(text.contains(part), "no {part} in {text}");
     }
     let refusal = refused(folder.path(), &["diagnose", "flight.csv", "--axis", "roll"]);

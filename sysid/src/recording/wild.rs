@@ -36,7 +36,14 @@ pub(super) fn bridge(table: &mut Table, notes: &mut Vec<Note>) {
             .iter()
             .flat_map(Range::clone)
             .take(LINES_TOLD)
-            .map(|row| format!("line {} ({})", table.lines[row], signal.values[row]))
+            .map(|row| {
+                // A log has no lines.
+                let place = match table.lines.get(row) {
+                    Some(line) => format!("line {line}"),
+                    None => format!("{:.3} s", table.t[row]),
+                };
+                format!("{place} ({})", signal.values[row])
+            })
             .collect();
         let more = if count > LINES_TOLD { ", ..." } else { "" };
         let text = format!(
