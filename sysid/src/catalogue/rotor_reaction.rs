@@ -1,7 +1,7 @@
 //! Rotors that change their speed turn the body back.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 
 /// M += Jr u̇(t − τ): the reaction to the rotors' own angular acceleration, which yaw shows most (Pounds, Mahony and Corke,
 /// Control Engineering Practice 18, 2010).
@@ -20,6 +20,10 @@ impl Effect for RotorReaction {
     }
     fn source(&self) -> Option<&'static str> {
         Some("Pounds, Mahony and Corke, 2010")
+    }
+    /// A lead: without another axis it turns the phase as a shorter delay does.
+    fn class(&self) -> Option<Class> {
+        Some(Class::Phase)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let gain = data.moment / data.u;

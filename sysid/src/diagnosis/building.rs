@@ -17,6 +17,7 @@ use super::over_time::{OverTime, residual_moments};
 use super::posterior::{Finding, Visited};
 use super::rotation::{Scores, scores};
 use super::traces::traces;
+use crate::catalogue::find;
 use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::scaled_shape::UNLISTED;
 use crate::estimate::Estimate;
@@ -137,6 +138,10 @@ impl Judgement<'_, '_> {
         for term in &self.problem.baseline.terms {
             let own = next..next + term.values.len();
             next = own.end;
+            // A term without a name is as the user has it.
+            if find(term.effect.about().id).is_none() {
+                continue;
+            }
             let again = fit.extended.parameters.get(own).unwrap_or_default().iter();
             let names = term.effect.parameters(&self.problem.sizes);
             known.push(KnownAnswer {

@@ -3,7 +3,7 @@
 use super::adequacy::{Test, failing, tests};
 use super::answer::Verdict;
 use super::gust::{Gust, gust};
-use super::levels::{ADEQUACY, MATERIAL};
+use super::levels::{ADEQUACY, MATERIAL, WORTH_A_NAME};
 use super::posterior::{Finding, Selection};
 use super::rotation::{Rotation, rotate};
 use super::verdict::Grounds;
@@ -24,7 +24,8 @@ pub struct Judgement<'p, 'd> {
     pub place: usize,
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
-    /// Named terms that are told as a remainder: small ones that not every rotation chooses, and facets of another.
+    /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, and facets of
+    /// another.
     pub small: Vec<Finding>,
     /// Its terms without a name.
     pub shapes: Vec<Finding>,
@@ -71,7 +72,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let is_small = |(i, finding): &(usize, Finding)| {
             let uncertain =
                 *i > 0 && finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len();
-            uncertain || accounted(finding)
+            uncertain || *i > 0 && finding.share < WORTH_A_NAME || accounted(finding)
         };
         let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
         let [small, named] =

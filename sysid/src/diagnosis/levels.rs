@@ -7,6 +7,9 @@ pub const PLAUSIBLE: f64 = 0.05;
 pub const ADEQUACY: f64 = 0.01;
 /// Share of what the fullest model closes that named terms must close to be the answer; what is beside them is a remainder.
 pub const MATERIAL: f64 = 0.8;
+/// Share below which a further name is told as a remainder, however certain it is. (The least share of a true second effect
+/// in the practice set is 0.05.)
+pub const WORTH_A_NAME: f64 = 0.03;
 /// Prior probability that a further term is missing: half for nothing.
 pub const FURTHER_TERM: f64 = 0.5;
 /// Prior share of the named terms among those that may be missing: two to one against the shapes without a name.

@@ -1,8 +1,9 @@
 //! One estimation problem: the data, the baseline, and which samples count; its unknowns and its residuals.
 
+use crate::catalogue::find;
 use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::model_file::model_file;
-use crate::catalogue::scaled_shape::{UNLISTED, carried};
+use crate::catalogue::scaled_shape::carried;
 use crate::dataset::{Amplitudes, Dataset, Place, Run};
 use crate::model::baseline::Baseline;
 use crate::model::effect::{Effect, Parameter, ResidualMoment, Scale};
@@ -135,7 +136,7 @@ impl<'a> Problem<'a> {
     /// user has them.
     fn known_coordinates(&self, term: &Term) -> Vec<Coordinate> {
         let id = term.effect.about().id;
-        let held = id == UNLISTED || id == GustDisturbance.about().id;
+        let held = find(id).is_none() || id == GustDisturbance.about().id;
         let parameters = term.effect.parameters(&self.sizes).into_iter().zip(&term.values).enumerate();
         let known = |(i, (p, &value)): (usize, (Parameter, &f64))| {
             let mut coordinate = coordinate_of(&p);

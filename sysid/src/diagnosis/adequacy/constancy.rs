@@ -48,7 +48,7 @@ pub fn test(left: &Left, problem: &Problem<'_>, fit: &Fit, sections: &[Place]) -
     // The user's mount is held by its prior: its scores do not add up to zero.
     let tested: Vec<usize> = (0..coordinates.len())
         .filter(|i| !problem.noise_range().contains(i) && !problem.mount_range().contains(i))
-        .filter(|i| !of_time.contains(i))
+        .filter(|i| !of_time.contains(i) && coordinates[*i].bounds[0] < coordinates[*i].bounds[1])
         .collect();
     let mut weights = regimes(left);
     if !of_time.is_empty() {
