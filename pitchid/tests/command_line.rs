@@ -292,7 +292,7 @@ fn an_extended_model_keeps_what_has_no_name() {
     let lag = "\n[[effect]]\nid = \"servo_lag\"\nT = 0.05\n".repeat(20);
     bench.write("many.toml", &(extended + &lag));
     let message = bench.refused(&["diagnose", "flight.csv", "--model", "many.toml"]);
-    assert_names(&message, &["20 states", "at most 15", "leave out"]);
+    assert_names(&message, &["20 states", "at most 12", "leave out"]);
 }
 
 #[test]
