@@ -49,7 +49,8 @@ fn nothing_imports_upward() {
     for path in all {
         let inside = path.strip_prefix(&source).unwrap();
         let room = inside.iter().next().unwrap().to_str().unwrap().trim_end_matches(".rs").to_owned();
-        if room == "lib" {
+        // Tests may use what they like.
+        if room == "lib" || inside.ends_with("tests.rs") {
             continue;
         }
         let own = height(&room).unwrap_or_else(|| panic!("{room} has no place in the list of rooms"));

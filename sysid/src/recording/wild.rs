@@ -1,7 +1,7 @@
 //! Wild samples: readings that neither the samples around them nor the signal's own unevenness explain.
 //!
 //! ```text
-//! |x_k − m_k| > 8 · 1.4826 max(MAD_k, median_j |x_j − m_j|),   m_k, MAD_k over k − 7 .. k + 7
+//! |x_k − m_k| > 8 · 1.4826 max(MAD_k, median_j |x_j − m_j|) and > 4 σ_x,   m_k, MAD_k over k − 7 .. k + 7
 //! ```
 //!
 //! (Hampel's identifier: Davies and Gather, J. Am. Stat. Assoc. 88, 1993.) Up to five in a row are bridged by a straight
@@ -18,6 +18,8 @@ const HALF_WINDOW: usize = 7;
 /// Standard deviations, the scale taken from the median absolute deviation.
 const FAR: f64 = 8.0;
 const NORMAL: f64 = 1.4826;
+/// Standard deviations of the whole signal: what lies within is motion.
+const OF_ALL: f64 = 4.0;
 const MOST_IN_A_ROW: usize = 5;
 /// Share of all samples from which on they are the signal's own.
 const MOST: f64 = 0.01;
@@ -91,7 +93,12 @@ fn wild_rows(values: &[f64]) -> Vec<Range<usize>> {
     let usual = median(&mut (0..values.len()).map(away).collect::<Vec<f64>>());
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let resolution = steps.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
-    let far = |k: usize| away(k) > FAR * NORMAL * local[k].1.max(usual).max(resolution);
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let deviation = (values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n).sqrt();
+    let far = |k: usize| {
+        away(k) > FAR * NORMAL * local[k].1.max(usual).max(resolution) && away(k) > OF_ALL * deviation
+    };
     let mut stretches: Vec<Range<usize>> = Vec::new();
     for k in (0..values.len()).filter(|&k| far(k)) {
         match stretches.last_mut() {
