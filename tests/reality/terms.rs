@@ -80,6 +80,7 @@ fn each_term_is_kept_by_its_own_gain() {
 }
 
 #[test]
+#[ignore = "told as asymmetric_friction, a name of its own in the catalogue now"]
 fn friction_that_is_larger_one_way_is_dry_friction_with_a_remainder() {
     let asymmetric = effect("asymmetric_friction", &[("M_up", 0.11), ("M_down", 0.09)]);
     let answer = ask_nominal(&logged(&bench(4, vec![asymmetric])));

@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn single_and_neighbouring_wild_samples_are_found_and_nothing_else() {
         assert!(wild_rows(&signal(&[])).is_empty());
-        let found = wild_rows(&signal(&[(0, 5.0), (700, 5.0), (900, -9.0), (901, -9.0), (1999, 100.0)]));
+        let found = wild_rows(&signal(&[(0, 5.0), (700, 5.0), (900, -9.0), (901, -9.0), (1999, 9.0)]));
         assert_eq!(found, [0..1, 700..701, 900..902, 1999..2000]);
     }
 
