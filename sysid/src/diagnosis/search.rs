@@ -27,12 +27,18 @@ const CLOSE: f64 = 0.7;
 const STEPS_TO_COME: f64 = 4.0;
 /// Two descents of a candidate whose gains differ by less than this have come to the same place.
 const SAME_PLACE: f64 = 1.0;
-/// A start that changes the criterion by less than this does nothing.
-const IDLE: f64 = 0.5;
+/// A candidate that promises less than this share of the best by its score is not tried,
+const WORTH_A_STEP: f64 = 0.1;
+/// the same where the noise model is not the data's own, and every score is high,
+const WORTH_FROM_AFAR: f64 = 0.3;
+/// but for the first few.
+const ALWAYS_STEPPED: usize = 8;
+/// A candidate whose score comes to this share of the best is followed although the chord does not lead it down.
+const LIKELY: f64 = 0.5;
 /// A start that gains less than this share of the best one's by its first steps is not followed,
 const PROMISING: f64 = 0.1;
 /// but for the first few.
-const ALWAYS_FOLLOWED: usize = 12;
+const ALWAYS_FOLLOWED: usize = 6;
 /// Prospects that are fitted whatever they look like: the baseline is fitted again from where they end.
 const ALWAYS_FITTED: usize = 3;
 /// From a start that the chord does not lead away from, the noise model has far to go.
@@ -89,6 +95,8 @@ pub struct Prospect {
     gain: f64,
     /// By how much the last step raised the gain.
     rise: f64,
+    /// Score of its start, as a share of the best one's from there.
+    share: f64,
 }
 
 impl Prospect {
@@ -100,6 +108,7 @@ impl Prospect {
             values: end.values,
             gain: before.criterion() - end.criterion - penalty,
             rise: end.drop,
+            share: 0.0,
         }
     }
 
@@ -116,7 +125,7 @@ impl Prospect {
 pub fn screen(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Prospect> {
     let optimum = &before.minimum.values;
     let Some(chord) = chord(problem, before, optimum) else { return Vec::new() };
-    let mut all = best_starts(problem, before, candidates, optimum, &chord);
+    let mut all = best_starts(problem, before, candidates, optimum, &chord, WORTH_A_STEP);
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     all
 }
@@ -126,12 +135,12 @@ fn prospects(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Eff
     let optimum = &before.minimum.values;
     let mut all = Vec::new();
     if let Some(chord) = chord(problem, before, optimum) {
-        let starts = best_starts(problem, before, candidates, optimum, &chord);
+        let starts = best_starts(problem, before, candidates, optimum, &chord, WORTH_A_STEP);
         all.extend(followed(problem, before, starts, &chord));
     }
     for mut low in [near_output_error(problem, before), users_model(problem, before)].into_iter().flatten() {
         let Some(at_low) = chord(problem, before, &low) else { continue };
-        let mut starts = best_starts(problem, before, candidates, &low, &at_low);
+        let mut starts = best_starts(problem, before, candidates, &low, &at_low, WORTH_FROM_AFAR);
         let noise = problem.noise_range();
         for values in starts.iter_mut().map(|start| &mut start.values).chain([&mut low]) {
             values[noise.clone()].copy_from_slice(&optimum[noise.clone()]);
@@ -149,18 +158,21 @@ fn followed(problem: &Problem<'_>, before: &Fit, starts: Vec<Prospect>, chord: &
     further(problem, before, promising(begun), chord, CHORD_STEPS - FIRST_STEPS)
 }
 
-/// Those that have come to a tenth of the best one's gain, and the first few at least: others do not come near.
+/// Those that have come to a tenth of the best one's gain, those whose scores are high, and the first few at least: others do
+/// not come near.
 fn promising(mut starts: Vec<Prospect>) -> Vec<Prospect> {
     starts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let floor = PROMISING * starts.first().map_or(0.0, |best| best.gain.max(0.0));
-    let count = starts.iter().filter(|start| start.gain >= floor).count();
-    starts.truncate(count.max(ALWAYS_FOLLOWED));
+    let mut place = 0..;
+    starts.retain(|start| {
+        place.next().is_some_and(|i| i < ALWAYS_FOLLOWED) || start.gain >= floor || start.share >= LIKELY
+    });
     starts
 }
 
 /// Those prospects that may come to lie near the best, or to be needed at all: others have settled too far below. One
-/// that has not settled is kept unless the candidate is of use from another start, one that comes to the same place twice
-/// is kept once.
+/// that has not settled is kept where its score was high, unless the candidate is of use from another start; one that comes to
+/// the same place twice is kept once.
 fn worth_fitting(mut all: Vec<Prospect>) -> Vec<Prospect> {
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let best = all.first().map_or(0.0, |prospect| prospect.gain);
@@ -171,40 +183,48 @@ fn worth_fitting(mut all: Vec<Prospect>) -> Vec<Prospect> {
         let again = known.is_some_and(|other| other.gain - prospect.gain < SAME_PLACE);
         let may_rise = prospect.gain + STEPS_TO_COME * prospect.rise > floor;
         let settled = prospect.settled() || known.is_some_and(|other| other.gain > NEEDLESS);
-        if kept.len() < ALWAYS_FITTED || (!again && (may_rise || !settled)) {
+        if kept.len() < ALWAYS_FITTED || (!again && (may_rise || !settled && prospect.share >= LIKELY)) {
             kept.push(prospect);
         }
     }
     kept
 }
 
-/// Each candidate's best start after one step, and the best that does something where that one does nothing, from `values` of
-/// the unknowns of `before`, where `chord` was taken.
+/// The candidates that promise most, each from its best start, after one step from `values` of the unknowns of `before`, where
+/// `chord` was taken.
 fn best_starts(
     problem: &Problem<'_>,
     before: &Fit,
     candidates: &[&'static dyn Effect],
     values: &[f64],
     chord: &Chord,
+    least_share: f64,
 ) -> Vec<Prospect> {
     let left = problem.residual_moment(&before.effects, &before.minimum.values);
     let best_start = |&candidate: &&'static dyn Effect| {
         let effects = [&before.effects[..], &[candidate]].concat();
-        let starts = candidate.starts_from(&problem.sizes, &left).into_iter();
-        let mut ends: Vec<Descent> =
-            starts.filter_map(|own| descend(problem, chord, &effects, &[values, &own].concat(), 1)).collect();
-        ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-        // A threshold that nothing reaches changes nothing: the best start that does shows what one that is reached does.
-        let idle = |end: &Descent| (before.criterion() - end.criterion).abs() < IDLE;
-        let acting = ends.iter().position(|end| !idle(end)).filter(|&place| place > 0);
-        if let Some(place) = acting {
-            ends.swap(1, place);
-        }
-        ends.truncate(if acting.is_some() { 2 } else { 1 });
-        ends.into_iter().map(|end| Prospect::new(problem, before, effects.clone(), end)).collect()
+        let residuals = |v: &[f64]| problem.prediction_errors(&effects, v);
+        let coordinates = problem.coordinates(&effects);
+        let promised = |own: Vec<f64>| {
+            let start = [values, &own].concat();
+            let promise = chord.promise(&residuals, problem.channels(), &coordinates, &start)?;
+            Some((promise, start))
+        };
+        let starts = candidate.starts_from(&problem.sizes, &left).into_iter().filter_map(promised);
+        let (promise, start) = starts.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((promise, effects, start))
     };
-    let all: Vec<Vec<Prospect>> = candidates.par_iter().map(best_start).collect();
-    all.into_iter().flatten().collect()
+    let mut all: Vec<_> = candidates.par_iter().filter_map(best_start).collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let most = all.first().map_or(0.0, |best| best.0).max(f64::MIN_POSITIVE);
+    let count = all.iter().filter(|start| start.0 >= least_share * most).count();
+    all.truncate(count.max(ALWAYS_STEPPED));
+    all.into_par_iter()
+        .filter_map(|(promise, effects, start)| {
+            let end = descend(problem, chord, &effects, &start, 1)?;
+            Some(Prospect { share: promise / most, ..Prospect::new(problem, before, effects, end) })
+        })
+        .collect()
 }
 
 /// The prospects a few steps further along `chord`. One that does not settle has followed a Jacobian that no longer holds,
@@ -217,9 +237,9 @@ fn further(
     steps: usize,
 ) -> Vec<Prospect> {
     from.into_par_iter()
-        .filter_map(|Prospect { effects, values, .. }| {
+        .filter_map(|Prospect { effects, values, share, .. }| {
             let end = descend(problem, chord, &effects, &values, steps)?;
-            let mut prospect = Prospect::new(problem, before, effects, end);
+            let mut prospect = Prospect { share, ..Prospect::new(problem, before, effects, end) };
             if !prospect.settled() {
                 prospect.values = values;
             }

@@ -63,7 +63,7 @@ impl Fit {
 /// Disturbance strengths tried for the baseline, as shares of `Problem::noise_start`'s unit.
 const STRENGTHS: [f64; 5] = [0.03, 0.3, 3.0, 30.0, 300.0];
 /// A fit from one of several starts.
-pub const SKETCH: Effort = Effort { iterations: 5, tolerance: 0.5 };
+pub const SKETCH: Effort = Effort { iterations: 8, tolerance: 0.5 };
 /// A fit to the end.
 pub const FINISH: Effort = Effort { iterations: 40, tolerance: 0.02 };
 

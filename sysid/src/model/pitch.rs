@@ -27,6 +27,8 @@ pub const OWN_STATES: usize = 28;
 const REST: f64 = 0.02;
 /// Leak of an angle that nothing observes, 1/s.
 const LEAK: f64 = 0.1;
+/// A reading that no sensor gives, rad/s and rad.
+const BEYOND: Output = [1e9; 2];
 /// Divergence: states beyond this multiple of the signals' size end a run.
 const DIVERGED: f64 = 1e4;
 
@@ -89,6 +91,8 @@ pub struct PitchModel<'a> {
     measured: (usize, usize),
     /// Whether a term needs the motion within a sample.
     within_sample: bool,
+    /// Whether a term limits what the log can show.
+    has_limit: bool,
     /// Delay of the input at the start of a recording, s.
     delay: f64,
     /// Whether the delay changes over time.
@@ -188,6 +192,7 @@ impl<'a> PitchModel<'a> {
             moment_row: continuous.row(Q) * plant.inertia,
             measured: (rate, angle),
             within_sample: terms.iter().any(|term| term.effect.within_sample()),
+            has_limit: limited(&terms, BEYOND) != BEYOND,
             terms,
             delay,
             delay_moves,
@@ -316,7 +321,7 @@ impl<'a> PitchModel<'a> {
     }
 
     fn limited(&self, y: Output) -> Output {
-        self.terms.iter().fold(y, |y, term| term.effect.limit(term.values, y))
+        if self.has_limit { limited(&self.terms, y) } else { y }
     }
 
     /// One sample further, from row `k` of `run` to row k+1. `false` when the state has diverged.
@@ -486,13 +491,18 @@ fn at_row(column: &Option<Vec<f64>>, k: usize) -> f64 {
     column.as_ref().and_then(|values| values.get(k).or(values.last())).copied().unwrap_or(0.0)
 }
 
+/// The terms that act; the background does so by its noise alone.
 fn placed(terms: &[Term]) -> Vec<Placed<'_>> {
     let mut placed: Vec<Placed<'_>> = Vec::with_capacity(terms.len());
-    for Term { effect, values } in terms {
+    for Term { effect, values } in terms.iter().filter(|term| !term.effect.is_background()) {
         let begin = placed.last().map_or(0, |before| before.own.end);
         placed.push(Placed { effect: *effect, values, own: begin..begin + effect.states() });
     }
     placed
+}
+
+fn limited(terms: &[Placed<'_>], y: Output) -> Output {
+    terms.iter().fold(y, |y, term| term.effect.limit(term.values, y))
 }
 
 /// Delay that the terms add, s.

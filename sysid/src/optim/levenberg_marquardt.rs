@@ -86,8 +86,9 @@ pub fn minimize(
     let mut current = search.evaluate(&z)?;
     let mut damping = 1e-3;
     let mut converged = false;
+    let mut jacobian = search.jacobian(&z, &current);
+    let mut updated = false;
     for _ in 0..effort.iterations {
-        let jacobian = search.jacobian(&z, &current);
         let (hessian, gradient) = search.normal_equations(&z, &current, &jacobian);
         let free = search.free(&z, &gradient);
         let mut improved = None;
@@ -100,19 +101,33 @@ pub fn minimize(
                     damping = (damping * 0.1).max(1e-9);
                     break;
                 }
+                _ if updated => break,
                 _ => damping *= 10.0,
             }
         }
         let Some((candidate, next)) = improved else {
+            if updated {
+                jacobian = search.jacobian(&z, &current);
+                updated = false;
+                continue;
+            }
             converged = true;
             break;
         };
         let drop = current.criterion - next.criterion;
-        z = candidate;
-        current = next;
-        if drop < effort.tolerance {
-            converged = true;
+        let step = &candidate - &z;
+        let predicted = 2.0 * gradient.dot(&step) + (&hessian * &step).dot(&step);
+        let settled = drop < effort.tolerance;
+        if settled && !updated {
+            (z, current, converged) = (candidate, next, true);
             break;
+        }
+        if settled || drop < TRUSTED * -predicted {
+            (z, current, updated) = (candidate, next, false);
+            jacobian = search.jacobian(&z, &current);
+        } else {
+            broyden(&mut jacobian, &hessian, &step, &current.residuals, &next.residuals);
+            (z, current, updated) = (candidate, next, true);
         }
     }
     Some(Minimum {
@@ -140,9 +155,44 @@ pub fn covariance(
     search.covariance(&z, &at, &jacobian, lag)
 }
 
+/// Share of the predicted drop of 2 V that a step must reach for the derivatives to be updated and not taken anew.
+const TRUSTED: f64 = 0.5;
+
+/// The least change of the derivatives `jacobian` that makes them agree with what `step` did to the residuals, in the metric of
+/// the diagonal of `hessian` (Broyden, Math. Comp. 19, 1965; Moré, Lect. Notes Math. 630, 1978).
+fn broyden(
+    jacobian: &mut [Vec<Output>],
+    hessian: &DMatrix<f64>,
+    step: &DVector<f64>,
+    before: &[Output],
+    after: &[Output],
+) {
+    let scaled = step.component_mul(&hessian.diagonal());
+    let length = scaled.dot(step);
+    if length <= 0.0 {
+        return;
+    }
+    let mut missed: Vec<Output> =
+        after.iter().zip(before).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
+    let moved = |i: &usize| step[*i] != 0.0;
+    for i in (0..step.len()).filter(moved) {
+        for (missed, slope) in missed.iter_mut().zip(&jacobian[i]) {
+            missed[0] -= slope[0] * step[i];
+            missed[1] -= slope[1] * step[i];
+        }
+    }
+    for i in (0..step.len()).filter(moved) {
+        let share = scaled[i] / length;
+        for (slope, missed) in jacobian[i].iter_mut().zip(&missed) {
+            slope[0] += share * missed[0];
+            slope[1] += share * missed[1];
+        }
+    }
+}
+
 pub(super) struct Evaluation {
-    residuals: Vec<Output>,
-    weight: Matrix2<f64>,
+    pub(super) residuals: Vec<Output>,
+    pub(super) weight: Matrix2<f64>,
     deviance: f64,
     pub(super) criterion: f64,
 }
@@ -330,7 +380,7 @@ impl Search<'_> {
     }
 }
 
-fn dot(a: &[Output], b: &[Output]) -> f64 {
+pub(super) fn dot(a: &[Output], b: &[Output]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum()
 }
 
