@@ -12,6 +12,9 @@ const CARRIED_SHARE: f64 = 0.003;
 /// J q̇P = −k (θP−θ) − c (qP−q), and its reaction on the airframe; k and c from the mode.
 pub struct ImuMount;
 
+/// Damping ratio of the softest rubber (a loss factor of 1.4): a mode that is damped more is a lag.
+const MOST_DAMPING: f64 = 0.7;
+
 impl Effect for ImuMount {
     fn about(&self) -> About {
         About {
@@ -32,7 +35,7 @@ impl Effect for ImuMount {
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![
             Parameter { name: "mode_hz", unit: "Hz", lower: 1.0, upper: 0.45 / data.step, scale: Scale::Log },
-            Parameter { name: "zeta", unit: "1", lower: 0.005, upper: 2.0, scale: Scale::Log },
+            Parameter { name: "zeta", unit: "1", lower: 0.005, upper: MOST_DAMPING, scale: Scale::Log },
         ]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {

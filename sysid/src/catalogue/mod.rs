@@ -10,7 +10,7 @@ mod cross_feed;
 mod cubic_stiffness;
 mod effectiveness_fade;
 mod end_stop;
-mod extra_delay;
+pub mod extra_delay;
 mod gravity_stiffness;
 pub mod gust_disturbance;
 mod gyro_bias;

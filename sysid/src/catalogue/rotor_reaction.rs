@@ -1,7 +1,9 @@
 //! Rotors that change their speed turn the body back.
 
-use crate::dataset::Amplitudes;
+use crate::dataset::{Amplitudes, Dataset};
+use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+use crate::recording::InputUnit;
 
 /// M += Jr u̇(t − τ): the reaction to the rotors' own angular acceleration, which yaw shows most (Pounds, Mahony and Corke,
 /// Control Engineering Practice 18, 2010).
@@ -20,6 +22,10 @@ impl Effect for RotorReaction {
     }
     fn source(&self) -> Option<&'static str> {
         Some("Pounds, Mahony and Corke, 2010")
+    }
+    /// Where the input is a force or a moment, no rotor makes it.
+    fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
+        !matches!(data.input_unit, InputUnit::Newton | InputUnit::NewtonMetre)
     }
     /// A lead: without another axis it turns the phase as a shorter delay does.
     fn class(&self) -> Option<Class> {

@@ -16,6 +16,8 @@ use crate::catalogue::CATALOGUE;
 use crate::dataset::Dataset;
 use crate::error::{Error, ErrorKind};
 use crate::held_out::{Part, parts};
+use crate::likelihood::evidence::Information;
+use crate::likelihood::fit::fit_baseline;
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
 use crate::model::effect::Effect;
@@ -106,15 +108,23 @@ pub fn diagnose_with(
         return with_checks(unanswered(None, Verdict::CheckData, String::new(), Some(location)), checks);
     }
     let places: Vec<_> = parts.iter().map(|part| part.places.clone()).collect();
-    let selection = select(&problem, catalogue, &places, progress).ok_or_else(|| {
+    progress("fitting the baseline");
+    let no_likelihood = || {
         Error::new(
             ErrorKind::Numerical,
             "the baseline has no finite likelihood on these data",
             "check the units of the columns and the values of the model file",
         )
-    })?;
+    };
+    let first = fit_baseline(&problem).ok_or_else(no_likelihood)?;
+    let information = Information::new(&problem, &first, &places).ok_or_else(no_likelihood)?;
+    if let Some(reason) = excitation::too_weak(&problem, &first, &information) {
+        checks.extend(data_checks::without_fit("too weak to ask"));
+        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks);
+    }
+    let selection = select(&problem, first, catalogue, &places, progress).ok_or_else(no_likelihood)?;
     let fitted = &selection.visited[selection.baseline];
-    if let Some(reason) = excitation::too_weak(&problem, fitted) {
+    if let Some(reason) = excitation::too_weak(&problem, &fitted.fit, &fitted.information) {
         checks.extend(data_checks::without_fit("too weak to ask"));
         return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks);
     }

@@ -2,8 +2,9 @@
 
 use super::estimates::estimates;
 use super::levels::{SHORTEST_S, WIDEST_GAIN_INTERVAL};
-use super::posterior::Visited;
 use crate::identify::fir::ceiling_vaf;
+use crate::likelihood::evidence::Information;
+use crate::likelihood::fit::Fit;
 use crate::likelihood::free_run::judged;
 use crate::likelihood::problem::Problem;
 
@@ -35,8 +36,8 @@ pub fn too_little(problem: &Problem<'_>) -> Option<String> {
 
 /// Why the data are too weak: the input's effect is not known well enough to ask what is missing from it, and an
 /// unstructured model makes no more of the input either.
-pub fn too_weak(problem: &Problem<'_>, baseline: &Visited) -> Option<String> {
-    let all = estimates(problem, &baseline.fit, Some(&baseline.information));
+pub fn too_weak(problem: &Problem<'_>, baseline: &Fit, information: &Information) -> Option<String> {
+    let all = estimates(problem, baseline, Some(information));
     let gain = all.iter().find(|e| e.name == "dM_du")?;
     let half = 0.5 * (gain.ci95[1] - gain.ci95[0]);
     let relative = half / gain.value.abs();

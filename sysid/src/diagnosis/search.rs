@@ -217,8 +217,15 @@ fn best_starts(
     let mut all: Vec<_> = candidates.par_iter().filter_map(best_start).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     let most = all.first().map_or(0.0, |best| best.0).max(f64::MIN_POSITIVE);
-    let count = all.iter().filter(|start| start.0 >= least_share * most).count();
-    all.truncate(count.max(ALWAYS_STEPPED));
+    // Members of a class are hardly told apart by their starts.
+    let class = |effects: &[&'static dyn Effect]| effects.last().and_then(|effect| effect.class());
+    let leading = all.first().and_then(|(_, effects, _)| class(effects));
+    let mut place = 0..;
+    all.retain(|(promise, effects, _)| {
+        place.next().is_some_and(|i| i < ALWAYS_STEPPED)
+            || *promise >= least_share * most
+            || leading.is_some() && class(effects) == leading
+    });
     all.into_par_iter()
         .filter_map(|(promise, effects, start)| {
             let end = descend(problem, chord, &effects, &start, 1)?;

@@ -17,7 +17,7 @@ use crate::catalogue::shapes::SHAPES;
 use crate::catalogue::slow_moment::SlowMoment;
 use crate::dataset::Place;
 use crate::likelihood::evidence::Information;
-use crate::likelihood::fit::{Fit, SKETCH, fit, fit_baseline, refit, settled};
+use crate::likelihood::fit::{Fit, SKETCH, fit, refit, settled};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use rayon::prelude::*;
@@ -85,18 +85,17 @@ struct Search<'p, 'd> {
     rounds: Vec<Round>,
 }
 
-/// Selects terms. `parts` are the parts of the data that will be held out in turn. `None` where not even the baseline has a
-/// finite likelihood.
+/// Selects terms on top of the baseline's fit. `parts` are the parts of the data that will be held out in turn. `None` where the
+/// baseline has no finite derivatives.
 pub fn select(
     problem: &Problem<'_>,
+    baseline: Fit,
     catalogue: &[&'static dyn Effect],
     parts: &[Vec<Place>],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Option<Selection> {
-    progress("fitting the baseline");
     let candidates = Candidates::new(problem, catalogue);
     let mut search = Search { problem, candidates, parts, visited: Vec::new(), rounds: Vec::new() };
-    let baseline = fit_baseline(problem)?;
     let mut current = search.visit(baseline)?;
     current = search.with_third_pole(current);
     for _ in 0..MOST_TERMS {
@@ -345,11 +344,13 @@ mod tests {
     use crate::catalogue::{CATALOGUE, find};
     use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model};
     use crate::diagnosis::posterior::Finding;
+    use crate::likelihood::fit::fit_baseline;
 
     /// What is selected for a flight of the model with another delay.
     fn with_delay<T>(delay: f64, ask: impl Fn(&Problem<'_>, &Selection, Vec<Finding>) -> T) -> T {
         fitted(&flight(1, 0.0).recording(), &model(GAIN, delay), |_, problem, _| {
-            let selection = select(problem, CATALOGUE, &[], &|_| ()).unwrap();
+            let baseline = fit_baseline(problem).unwrap();
+            let selection = select(problem, baseline, CATALOGUE, &[], &|_| ()).unwrap();
             let findings = selection.findings(problem, selection.extended);
             ask(problem, &selection, findings)
         })

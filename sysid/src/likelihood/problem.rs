@@ -1,5 +1,6 @@
 //! One estimation problem: the data, the baseline, and which samples count; its unknowns and its residuals.
 
+use crate::catalogue::extra_delay::ExtraDelay;
 use crate::catalogue::find;
 use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::model_file::model_file;
@@ -39,11 +40,21 @@ impl Unpacked {
     /// The model that this is, as a file. Terms without a name were fitted to the data of `problem`.
     pub fn to_model_file(&self, problem: &Problem<'_>) -> ModelFile {
         let physics = self.terms.iter().filter(|term| !term.effect.is_background());
-        let terms: Vec<Term> = physics.map(|term| carried(term, &problem.sizes)).collect();
-        model_file(&self.plant, &terms, problem.data.origin())
+        let mut terms: Vec<Term> = physics.map(|term| carried(term, &problem.sizes)).collect();
+        let mut plant = self.plant;
+        if plant.delay < 0.0 {
+            // No loop answers before it is asked: the stamps do, and a file says so.
+            terms.push(Term { effect: &ExtraDelay, values: vec![plant.delay] });
+            plant.delay = 0.0;
+        }
+        model_file(&plant, &terms, problem.data.origin())
     }
 }
 
+/// Samples by which a measurement may be stamped before the input that moved it: a row and half a hold.
+pub const STAMPED_EARLY: f64 = 1.5;
+/// Longest loop delay, s.
+const LONGEST_DELAY: f64 = 0.3;
 /// Time after the start of a run that the predictor takes to settle, s.
 const SETTLING: f64 = 1.0;
 /// Standard deviation of the prior on ln(mount frequency): the user's model may be off by half.
@@ -163,7 +174,8 @@ impl<'a> Problem<'a> {
             coordinate("dM_du", &format!("N m/{unit}"), [-1e3 * gain, 1e3 * gain], false, 0.1 * gain),
         ];
         if self.baseline.delay_free {
-            all.push(coordinate("delay", "s", [0.0, 0.3], false, self.sizes.step));
+            let earliest = -STAMPED_EARLY * self.sizes.step;
+            all.push(coordinate("delay", "s", [earliest, LONGEST_DELAY], false, self.sizes.step));
         }
         if let Some(mount) = plant.mount {
             let (hz, zeta) = mode_of(&mount);

@@ -9,7 +9,7 @@ use crate::diagnosis::describe::in_words;
 use crate::diagnosis::estimates::estimates_of;
 use crate::estimate::digits;
 use crate::likelihood::fit::Fit;
-use crate::likelihood::problem::Problem;
+use crate::likelihood::problem::{Problem, STAMPED_EARLY};
 use crate::model::baseline::Baseline;
 use crate::optim::levenberg_marquardt::{Effort, minimize};
 
@@ -34,6 +34,15 @@ pub fn delay(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
     if problem.baseline.delay_free {
         let found = estimates_of(problem, fit).into_iter().find(|e| e.name == DELAY);
         return match found {
+            Some(found) if found.ci95[1] < 0.0 => DataCheck::found(
+                DELAY,
+                Gravity::Told,
+                format!(
+                    "the motion is stamped before the input that caused it: {} ({}); the stamps of one of them are off",
+                    in_words(&found),
+                    samples(found.value)
+                ),
+            ),
             Some(found) => DataCheck::ruled_out(
                 DELAY,
                 format!("no model fixes it: estimated, {} ({})", in_words(&found), samples(found.value)),
@@ -161,6 +170,6 @@ fn gain_by_other_hold(problem: &Problem<'_>, fit: &Fit, held: bool) -> Option<f6
         Some(with_delay(&free, &fixed, delay)?.criterion())
     };
     let (now, other) =
-        rayon::join(|| criterion(problem.data, delay), || criterion(&turned, (delay + later).max(0.0)));
+        rayon::join(|| criterion(problem.data, delay), || criterion(&turned, (delay + later).max(-STAMPED_EARLY * problem.sizes.step)));
     Some(now? - other?)
 }
