@@ -3,12 +3,14 @@
 use super::adequacy::{Test, failing, tests};
 use super::answer::Verdict;
 use super::gust::{Gust, gust};
-use super::levels::{ADEQUACY, MATERIAL, WORTH_A_NAME};
+use super::levels::{ADEQUACY, HELD_OUT_ERRORS, HORIZONS_S, MATERIAL, WORTH_A_NAME};
 use super::posterior::{Finding, Selection};
 use super::rotation::{Rotation, rotate};
 use super::verdict::Grounds;
+use crate::dataset::Place;
 use crate::held_out::Part;
 use crate::likelihood::fit::Fit;
+use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 
@@ -47,12 +49,23 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let gain = |place: usize| selection.gain(problem, place);
         let gained_by_names = gain(selection.named);
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
-        // Names that close little give way to what closes more.
-        let place =
-            if gained_by_names < MATERIAL * gained_by_all { selection.fullest } else { selection.extended };
+        let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
+        let closed = closed(problem, &selection, &sections);
+        // Names that close little give way to what closes more; names that leave next to nothing do not give way to shapes that
+        // hold them as their special case.
+        let has_all = |place: usize| {
+            let names = selection.visited[selection.named].fit.ids();
+            names.iter().all(|id| selection.visited[place].fit.position(id).is_some())
+        };
+        let place = if closed >= MATERIAL && !has_all(selection.extended) {
+            selection.named
+        } else if gained_by_names < MATERIAL * gained_by_all && closed < MATERIAL {
+            selection.fullest
+        } else {
+            selection.extended
+        };
         let (named, shapes): (Vec<Finding>, Vec<Finding>) =
             selection.findings(problem, place).into_iter().partition(|finding| finding.named);
-        let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
         let fit = &selection.visited[place].fit;
         let all = tests(problem, fit, &sections);
         let failed: Vec<Test> = failing(&all, ADEQUACY).into_iter().cloned().collect();
@@ -63,6 +76,10 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let rotation = rotate(problem, &selection, place, &findings, parts);
         let chosen =
             |finding: &Finding| rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen);
+        let clear = |finding: &Finding| {
+            let (gain, error) = rotation.gain(finding.effect.about().id).unwrap_or_default().log_likelihood;
+            gain > HELD_OUT_ERRORS * error
+        };
         let all: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
         let accounted = |finding: &Finding| {
             let own =
@@ -70,9 +87,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
             own.is_some_and(|p| all.iter().any(|e| e.accounts_for(finding.effect, p, &problem.sizes)))
         };
         let is_small = |(i, finding): &(usize, Finding)| {
-            let uncertain =
-                *i > 0 && finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len();
-            uncertain || *i > 0 && finding.share < WORTH_A_NAME || accounted(finding)
+            let uncertain = finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len();
+            *i > 0 && (uncertain || finding.share < WORTH_A_NAME || !clear(finding)) || accounted(finding)
         };
         let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
         let [small, named] =
@@ -83,7 +99,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
             named: named.len() + usize::from(gust.is_some()),
             shapes: shapes.len(),
             rivals: named.iter().any(|finding| !finding.rivals.is_empty()),
-            unstable: named.iter().any(|finding| chosen(finding) == 0),
+            unstable: named.iter().any(|finding| chosen(finding) == 0 || !clear(finding)),
+            closed,
             gained_by_names,
             gained_by_all,
             untold,
@@ -113,6 +130,23 @@ impl<'p, 'd> Judgement<'p, 'd> {
     /// The answer's fit.
     pub fn extended(&self) -> &Fit {
         &self.selection.visited[self.place].fit
+    }
+}
+
+/// Share of what the baseline leaves of the motion at the longest horizon, the noise included, that the named terms close; 0
+/// where there are none, or where no such prediction is finite.
+fn closed(problem: &Problem<'_>, selection: &Selection, sections: &[Place]) -> f64 {
+    if selection.named == selection.baseline {
+        return 0.0;
+    }
+    let vaf = |place: usize| {
+        let Fit { effects, minimum } = &selection.visited[place].fit;
+        let unpacked = problem.unpack(effects, &minimum.values);
+        horizon_vaf(problem, &unpacked, sections, &HORIZONS_S)?.last().map(|(vaf, _)| *vaf)
+    };
+    match (vaf(selection.baseline), vaf(selection.named)) {
+        (Some(before), Some(after)) if before < 100.0 => ((after - before) / (100.0 - before)).max(0.0),
+        _ => 0.0,
     }
 }
 

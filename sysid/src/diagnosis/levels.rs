@@ -7,6 +7,8 @@ pub const PLAUSIBLE: f64 = 0.05;
 pub const ADEQUACY: f64 = 0.01;
 /// Share of what the fullest model closes that named terms must close to be the answer; what is beside them is a remainder.
 pub const MATERIAL: f64 = 0.8;
+/// Standard errors over blocks by which a name must gain on held-out data to be one: one in a hundred by chance.
+pub const HELD_OUT_ERRORS: f64 = 2.33;
 /// Share below which a further name is told as a remainder, however certain it is. (The least share of a true second effect
 /// in the practice set is 0.05.)
 pub const WORTH_A_NAME: f64 = 0.03;

@@ -16,8 +16,11 @@ pub struct Grounds {
     pub shapes: usize,
     /// Whether a named term has a rival that the data cannot rule out.
     pub rivals: bool,
-    /// Whether a named term is chosen by none of the rotations: without any one of the sections it is not seen.
+    /// Whether a named term is chosen by none of the rotations (without any one of the sections it is not seen), or gains no more
+    /// on held-out data than chance gives.
     pub unstable: bool,
+    /// Share of what the baseline leaves of the motion, the noise included, that the named terms close in prediction.
+    pub closed: f64,
     /// What the named terms alone gain.
     pub gained_by_names: f64,
     /// What the fullest model gains.
@@ -27,10 +30,12 @@ pub struct Grounds {
 }
 
 impl Grounds {
-    /// Share of all that can be closed which the named terms close.
+    /// Share of all that can be closed which the named terms close: of the gain in evidence, or of the motion, whichever is
+    /// more. What is left of a motion that is explained to its last hundredths is significant, and not material.
     pub fn share_of_names(&self) -> f64 {
         let all = self.gained_by_all.max(self.gained_by_names) + self.untold;
-        if all > 0.0 { (self.gained_by_names / all).clamp(0.0, 1.0) } else { 1.0 }
+        let of_evidence = if all > 0.0 { self.gained_by_names / all } else { 1.0 };
+        of_evidence.max(self.closed).clamp(0.0, 1.0)
     }
 
     /// The verdict.

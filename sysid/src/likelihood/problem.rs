@@ -52,7 +52,7 @@ impl Unpacked {
 }
 
 /// Samples by which a measurement may be stamped before the input that moved it: a row and half a hold.
-pub const STAMPED_EARLY: f64 = 1.5;
+const STAMPED_EARLY: f64 = 1.5;
 /// Longest loop delay, s.
 const LONGEST_DELAY: f64 = 0.3;
 /// Time after the start of a run that the predictor takes to settle, s.
@@ -174,8 +174,7 @@ impl<'a> Problem<'a> {
             coordinate("dM_du", &format!("N m/{unit}"), [-1e3 * gain, 1e3 * gain], false, 0.1 * gain),
         ];
         if self.baseline.delay_free {
-            let earliest = -STAMPED_EARLY * self.sizes.step;
-            all.push(coordinate("delay", "s", [earliest, LONGEST_DELAY], false, self.sizes.step));
+            all.push(coordinate("delay", "s", [self.earliest(), LONGEST_DELAY], false, self.sizes.step));
         }
         if let Some(mount) = plant.mount {
             let (hz, zeta) = mode_of(&mount);
@@ -209,6 +208,11 @@ impl<'a> Problem<'a> {
             all.push(coordinate("angle_noise", "s", [1e-4 * ratio, 1e3 * ratio], true, 1.0));
         }
         all
+    }
+
+    /// Least delay that stamps can give, s.
+    pub fn earliest(&self) -> f64 {
+        -STAMPED_EARLY * self.sizes.step / self.data.thinned as f64
     }
 
     /// Intensity of a disturbance that moves the first channel within a second about as much as its noise does, if

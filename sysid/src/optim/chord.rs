@@ -85,16 +85,15 @@ impl Chord {
         let search = Search { residuals, channels, coordinates };
         let z = search.inner(start);
         let at = search.evaluate(&z)?;
-        let change: Vec<Output> = at
-            .residuals
+        let change: Vec<Output> =
+            at.residuals.iter().zip(&self.residuals).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
+        let norm: f64 = change
             .iter()
-            .zip(&self.residuals)
-            .map(|(a, b)| [a[0] - b[0], a[1] - b[1]])
-            .collect();
-        let norm: f64 = change.iter().map(|d| {
-            let w = weigh(&self.weight, d);
-            w[0] * d[0] + w[1] * d[1]
-        }).sum();
+            .map(|d| {
+                let w = weigh(&self.weight, d);
+                w[0] * d[0] + w[1] * d[1]
+            })
+            .sum();
         let count = change.len() as f64;
         if norm > NEUTRAL * count {
             return Some(self.score(&[change]));
@@ -109,7 +108,8 @@ impl Chord {
         let n = directions.len();
         let weighted: Vec<Vec<Output>> =
             directions.iter().map(|d| d.iter().map(|e| weigh(&self.weight, e)).collect()).collect();
-        let along = DMatrix::from_fn(self.free.len(), n, |a, j| dot(&self.jacobian[self.free[a]], &weighted[j]));
+        let along =
+            DMatrix::from_fn(self.free.len(), n, |a, j| dot(&self.jacobian[self.free[a]], &weighted[j]));
         let mut slope = DVector::from_fn(n, |j, _| dot(&weighted[j], &self.residuals));
         let mut left = DMatrix::from_fn(n, n, |i, j| dot(&directions[i], &weighted[j]));
         let whole = left.diagonal();

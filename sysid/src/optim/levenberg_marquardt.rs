@@ -172,8 +172,7 @@ fn broyden(
     if length <= 0.0 {
         return;
     }
-    let mut missed: Vec<Output> =
-        after.iter().zip(before).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
+    let mut missed: Vec<Output> = after.iter().zip(before).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
     let moved = |i: &usize| step[*i] != 0.0;
     for i in (0..step.len()).filter(moved) {
         for (missed, slope) in missed.iter_mut().zip(&jacobian[i]) {

@@ -9,7 +9,7 @@ use crate::diagnosis::describe::in_words;
 use crate::diagnosis::estimates::estimates_of;
 use crate::estimate::digits;
 use crate::likelihood::fit::Fit;
-use crate::likelihood::problem::{Problem, STAMPED_EARLY};
+use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
 use crate::optim::levenberg_marquardt::{Effort, minimize};
 
@@ -169,7 +169,9 @@ fn gain_by_other_hold(problem: &Problem<'_>, fit: &Fit, held: bool) -> Option<f6
         let free = Problem::new(data, &baseline, &[]);
         Some(with_delay(&free, &fixed, delay)?.criterion())
     };
-    let (now, other) =
-        rayon::join(|| criterion(problem.data, delay), || criterion(&turned, (delay + later).max(-STAMPED_EARLY * problem.sizes.step)));
+    let (now, other) = rayon::join(
+        || criterion(problem.data, delay),
+        || criterion(&turned, (delay + later).max(problem.earliest())),
+    );
     Some(now? - other?)
 }

@@ -118,3 +118,20 @@ fn shares_lie_between_nothing_and_all() {
         assert!((0.0..=1.0).contains(&grounds.share_of_names()), "{grounds:?}");
     }
 }
+
+#[test]
+fn names_that_leave_next_to_nothing_of_the_motion_are_the_answer_whatever_is_significant() {
+    let left = Grounds {
+        named: 1,
+        shapes: 1,
+        gained_by_names: 600.0,
+        gained_by_all: 1000.0,
+        untold: 300.0,
+        ..Grounds::default()
+    };
+    assert_eq!(left.verdict(), Unlisted);
+    assert_eq!(Grounds { closed: 0.79, ..left }.verdict(), Unlisted);
+    assert_eq!(Grounds { closed: 0.97, ..left }.verdict(), Named);
+    assert_eq!(Grounds { closed: 0.97, rivals: true, ..left }.verdict(), Ambiguous);
+    assert_eq!(Grounds { closed: 0.97, unstable: true, ..left }.verdict(), Unlisted);
+}
