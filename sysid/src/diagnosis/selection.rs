@@ -17,7 +17,7 @@ use crate::catalogue::shapes::SHAPES;
 use crate::catalogue::slow_moment::SlowMoment;
 use crate::dataset::Place;
 use crate::likelihood::evidence::Information;
-use crate::likelihood::fit::{Fit, SKETCH, fit, refit, settled};
+use crate::likelihood::fit::{Fit, SKETCH, fit as fit_from, refit, settled};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use rayon::prelude::*;
@@ -169,10 +169,16 @@ impl Search<'_, '_> {
         self.best(&after).filter(|&best| self.improvement(best, place) > 0.0).unwrap_or(place)
     }
 
-    /// The model at `before` with each named candidate that it lacks; and itself, fitted again from where these ended.
+    /// The model at `before` with each named candidate that it lacks (a term beside its own special case says nothing twice); and
+    /// itself, fitted again from where these ended.
     fn one_more(&mut self, before: usize, candidates: &[&'static dyn Effect]) -> Round {
         let fit = self.visited[before].fit.clone();
-        let lacking = |e: &&'static dyn Effect| fit.position(e.about().id).is_none();
+        let lacking = |e: &&'static dyn Effect| {
+            let said = |known: &&'static dyn Effect| {
+                known.about().id == e.about().id || known.generalises(*e) || e.generalises(*known)
+            };
+            !fit.effects.iter().any(said)
+        };
         let missing: Vec<&'static dyn Effect> = candidates.iter().copied().filter(lacking).collect();
         let fits = fit_one_more(self.problem, &fit, &missing);
         let length = fit.minimum.values.len();
@@ -251,6 +257,12 @@ impl Search<'_, '_> {
                     self.rounds.push(round);
                 }
             }
+            for simpler in self.visit_special_cases(current) {
+                if !self.rounds.iter().any(|round| round.before == simpler) {
+                    let round = self.one_more(simpler, &self.candidates.named.clone());
+                    self.rounds.push(round);
+                }
+            }
             let named = |v: &Visited| v.fit.effects.iter().all(|e| !is_shape(*e));
             let best = self.best_of_all(current, named);
             if best == current {
@@ -266,6 +278,34 @@ impl Search<'_, '_> {
         let fit = self.visited[place].fit.clone();
         let terms: Vec<usize> = (0..fit.effects.len()).filter(|&i| !fit.effects[i].is_background()).collect();
         let fits: Vec<Fit> = terms.par_iter().filter_map(|&i| without(self.problem, &fit, i)).collect();
+        fits.into_iter().filter_map(|fit| self.visit(fit)).collect()
+    }
+
+    /// The model at `place` with the special case of a term in its stead: what the term says may be two things.
+    fn visit_special_cases(&mut self, place: usize) -> Vec<usize> {
+        let fit = self.visited[place].fit.clone();
+        let mut pairs: Vec<(usize, &'static dyn Effect)> = Vec::new();
+        for (i, general) in fit.effects.iter().enumerate() {
+            let special =
+                |e: &&'static dyn Effect| general.generalises(*e) && fit.position(e.about().id).is_none();
+            pairs.extend(self.candidates.named.iter().copied().filter(special).map(|simple| (i, simple)));
+        }
+        let fits: Vec<Fit> = pairs
+            .into_iter()
+            .filter_map(|(i, simple)| {
+                let mut effects = fit.effects.clone();
+                let mut values = fit.minimum.values.clone();
+                values.drain(fit.own_range(self.problem, i));
+                effects.remove(i);
+                effects.push(simple);
+                let starts = simple.starts(&self.problem.sizes).into_iter();
+                let fits = starts.filter_map(|own| {
+                    fit_from(self.problem, &effects, &[&values[..], &own].concat(), SKETCH)
+                });
+                let best = fits.min_by(|a, b| a.criterion().total_cmp(&b.criterion()))?;
+                refit(self.problem, &effects, &best.minimum.values)
+            })
+            .collect();
         fits.into_iter().filter_map(|fit| self.visit(fit)).collect()
     }
 
@@ -303,7 +343,7 @@ impl Search<'_, '_> {
         let fits: Vec<Fit> = self
             .shapes(baseline)
             .par_iter()
-            .filter_map(|p| fit(self.problem, &p.effects, &p.values, SKETCH).filter(near))
+            .filter_map(|p| fit_from(self.problem, &p.effects, &p.values, SKETCH).filter(near))
             .filter_map(|sketch| refit(self.problem, &sketch.effects, &sketch.minimum.values))
             .collect();
         for fit in fits {

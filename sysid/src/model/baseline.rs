@@ -4,7 +4,7 @@ use super::pitch::Term;
 use super::plant::{Mount, Plant};
 use crate::dataset::{Dataset, decorrelation};
 use crate::recording::InputUnit;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix2, Matrix3, Matrix4, Matrix4x2, Vector2, Vector3, Vector4};
 
 /// The simulation in use: what a diagnosis starts from.
 #[derive(Clone)]
@@ -47,39 +47,125 @@ pub fn rough_gain(data: &Dataset) -> f64 {
     regression(data).dm_du
 }
 
-/// Values to start from for a rig of unknown inertia: least squares of
-/// q[k+m] = a q[k] + b ū[k−d .. k−d+m] + c over the delay d, with m samples over which q decorrelates a little.
+/// Values to start from for a rig of unknown inertia: least squares over m samples, over which q decorrelates a little, and over
+/// the delay d, of
+///
+/// ```text
+/// q[k+m] = a q[k] + b ū[k−d .. k−d+m] + c
+/// ```
+///
+/// or, where the angle's share in it halves the error, of angle and rate together: a plant that swings has a damping and a gain
+/// that the first line does not show.
 fn regression(data: &Dataset) -> Plant {
     let step = data.runs.first().map_or(0.02, |run| run.step);
     let rates: Vec<Vec<f64>> = data.runs.iter().map(crate::dataset::Run::rate_or_slope).collect();
     let stride = decorrelation(&rates).min((0.1 / step).ceil() as usize).max(1);
     let longest = (0.15 / step).ceil() as usize;
-    let mut best = (f64::INFINITY, -1.0, 1.0, 0.0);
+    let span = stride as f64 * step;
+    let (mut best, mut swinging) = ((f64::INFINITY, -1.0, 1.0, 0.0), (f64::INFINITY, -1.0, 1.0, 0.0));
     for delay in 0..=longest {
-        let Some((error, a, b)) = regress_at(data, &rates, stride, delay) else { continue };
-        if error < best.0 {
+        let lag = delay as f64 * step;
+        if let Some((error, [a, b])) = turning(data, &rates, stride, delay)
+            && error < best.0
+        {
             let a = a.clamp(0.05, 0.999);
-            let decay = -a.ln() / (stride as f64 * step);
-            best = (error, -decay, b * decay / (1.0 - a), delay as f64 * step);
+            let decay = -a.ln() / span;
+            best = (error, -decay, b * decay / (1.0 - a), lag);
+        }
+        if let Some((error, transition, input)) = swing(data, &rates, stride, delay)
+            && error < swinging.0
+            && let Some((damping, gain)) = continuous(&transition, &input, span)
+        {
+            swinging = (error, damping, gain, lag);
         }
     }
-    let (_, dm_dq, dm_du, delay) = best;
+    let (_, dm_dq, dm_du, delay) = if swinging.0 < 0.5 * best.0 { swinging } else { best };
     Plant { inertia: 1.0, dm_dq, dm_du, delay, mount: None }
 }
 
-/// Mean square error, a and b of the regression for one delay.
-fn regress_at(data: &Dataset, rates: &[Vec<f64>], stride: usize, delay: usize) -> Option<(f64, f64, f64)> {
-    let (mut normal, mut right, mut power, mut count) = (Matrix3::zeros(), Vector3::zeros(), 0.0, 0.0);
-    for (run, rate) in data.runs.iter().zip(rates) {
-        for k in delay..run.len().saturating_sub(stride) {
+/// Rows of a regression: rate (or angle and rate) and mean input at k, and what they have become m samples later.
+fn rows<'a>(
+    data: &'a Dataset,
+    rates: &'a [Vec<f64>],
+    stride: usize,
+    delay: usize,
+) -> impl Iterator<Item = (&'a crate::dataset::Run, &'a [f64], usize, f64)> + 'a {
+    data.runs.iter().zip(rates).flat_map(move |(run, rate)| {
+        (delay..run.len().saturating_sub(stride)).map(move |k| {
             let input = run.u[k - delay..k - delay + stride].iter().sum::<f64>() / stride as f64;
-            let row = Vector3::new(rate[k], input, 1.0);
-            normal += row * row.transpose();
-            right += row * rate[k + stride];
-            power += rate[k + stride] * rate[k + stride];
-            count += 1.0;
-        }
+            (run, rate.as_slice(), k, input)
+        })
+    })
+}
+
+/// Mean square error, a and b of the first regression for one delay.
+fn turning(data: &Dataset, rates: &[Vec<f64>], stride: usize, delay: usize) -> Option<(f64, [f64; 2])> {
+    let (mut normal, mut right, mut power, mut count) = (Matrix3::zeros(), Vector3::zeros(), 0.0, 0.0);
+    for (_, rate, k, input) in rows(data, rates, stride, delay) {
+        let row = Vector3::new(rate[k], input, 1.0);
+        normal += row * row.transpose();
+        right += row * rate[k + stride];
+        power += rate[k + stride] * rate[k + stride];
+        count += 1.0;
     }
     let solution = normal.cholesky()?.solve(&right);
-    Some(((power - solution.dot(&right)) / count, solution[0], solution[1]))
+    Some(((power - solution.dot(&right)) / count, [solution[0], solution[1]]))
+}
+
+/// Mean square error of the rate, transition of (θ, q) over the stride and what the input adds, for one delay. `None` where the
+/// angle is not measured.
+fn swing(
+    data: &Dataset,
+    rates: &[Vec<f64>],
+    stride: usize,
+    delay: usize,
+) -> Option<(f64, Matrix2<f64>, Vector2<f64>)> {
+    let (mut normal, mut right) = (Matrix4::zeros(), Matrix4x2::zeros());
+    let (mut power, mut count) = (0.0, 0.0);
+    for (run, rate, k, input) in rows(data, rates, stride, delay) {
+        let angle = run.angle.as_ref()?;
+        let row = Vector4::new(angle[k], rate[k], input, 1.0);
+        let later = Vector2::new(angle[k + stride], rate[k + stride]);
+        normal += row * row.transpose();
+        right += row * later.transpose();
+        power += later[1] * later[1];
+        count += 1.0;
+    }
+    let solution = normal.cholesky()?.solve(&right);
+    let error = (power - solution.column(1).dot(&right.column(1))) / count;
+    let transition = solution.fixed_view::<2, 2>(0, 0).transpose();
+    Some((error, transition, solution.row(2).transpose()))
+}
+
+/// ∂M/∂q and ∂M/∂u of the continuous plant whose angle and rate go over by `transition` within `span` s, the input adding `input`:
+/// the logarithm of a matrix with a pair of complex eigenvalues. `None` where it does not swing.
+fn continuous(transition: &Matrix2<f64>, input: &Vector2<f64>, span: f64) -> Option<(f64, f64)> {
+    let (half, product) = (0.5 * transition.trace(), transition.determinant());
+    let imaginary = (product - half * half).sqrt();
+    if !(imaginary > 0.0) {
+        return None;
+    }
+    let turn = imaginary.atan2(half) / imaginary;
+    let generator = (Matrix2::identity() * (0.5 * product.ln())
+        + (transition - Matrix2::identity() * half) * turn)
+        / span;
+    let gain = (transition - Matrix2::identity()).try_inverse()? * generator * input;
+    Some((generator[(1, 1)].min(0.0), gain[1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_plant_of_a_swing_is_found_again_from_its_transition() {
+        // θ̈ = −40 θ − 0.6 θ̇ + 7 u, over 0.1 s
+        let generator = Matrix2::new(0.0, 1.0, -40.0, -0.6);
+        let transition = (generator * 0.1).exp();
+        let input =
+            generator.try_inverse().unwrap() * (transition - Matrix2::identity()) * Vector2::new(0.0, 7.0);
+        let (dm_dq, dm_du) = continuous(&transition, &input, 0.1).unwrap();
+        assert!((dm_dq + 0.6).abs() < 1e-9 && (dm_du - 7.0).abs() < 1e-9, "{dm_dq} {dm_du}");
+        assert!(continuous(&Matrix2::new(1.0, 0.1, 0.0, 0.9), &input, 0.1).is_none());
+    }
 }
