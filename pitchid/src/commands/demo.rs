@@ -114,7 +114,8 @@ fn conceal_and_fly(seed: u64, files: &Files<'_>) -> Result<(), Failure> {
 fn write_answers(files: &Files<'_>, found: &Diagnosis, content: &Content) -> Result<(), Failure> {
     files.write("diagnosis.json", &output::json(&found.answer)?)?;
     files.write("extended.toml", &found.model.to_toml()?)?;
-    files.write("report.html", &report::html(content, &found.traces, &found.over_time)?)?;
+    files
+        .write("report.html", &report::html(content, &found.traces, &found.over_time, &found.components)?)?;
     let Some(trace) = report::headline_trace(&found.traces) else { return Ok(()) };
     let view = View { trace, changed: report::is_changed(&found.answer), windows: &[] };
     files.write("demo.svg", &view.standalone()?)

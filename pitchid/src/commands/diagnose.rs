@@ -26,7 +26,8 @@ pub struct Arguments {
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
 
-    /// Write a report: one HTML file with pictures that needs nothing else
+    /// Write a report: one HTML file with pictures that needs nothing else; for each term, what the data say with that term
+    /// taken out of the model
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
 
@@ -85,7 +86,7 @@ fn write(arguments: &Arguments, found: &Diagnosis, content: &Content) -> Result<
         put("extended model", path, &found.model.to_toml()?)?;
     }
     if let Some(path) = &arguments.report {
-        put("report", path, &report::html(content, &found.traces, &found.over_time)?)?;
+        put("report", path, &report::html(content, &found.traces, &found.over_time, &found.components)?)?;
     }
     if let Some(path) = &arguments.json {
         put("answer", path, &output::json(&found.answer)?)?;

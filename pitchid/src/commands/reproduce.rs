@@ -1,4 +1,6 @@
-//! `pitchid reproduce paper`: the paper's Table 2 and figures, over many simulated campaigns.
+//! `pitchid reproduce`: a published experiment again, and public benchmarks.
+
+mod benchmarks;
 
 use super::reading::read_plain;
 use crate::failure::Failure;
@@ -10,7 +12,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use sysid::identify::compare::Identification;
 
-/// Repeats a published experiment in the simulator
+/// Repeats a published experiment in the simulator, or runs public benchmarks
 #[derive(Args)]
 pub struct Arguments {
     #[command(subcommand)]
@@ -20,6 +22,7 @@ pub struct Arguments {
 #[derive(Subcommand)]
 enum What {
     Paper(PaperArguments),
+    Benchmarks(benchmarks::Arguments),
 }
 
 /// Table 2 and figures 6 to 8 of Riccardi, Panizza, Lovera (ERF 2014), over many simulated campaigns
@@ -64,7 +67,13 @@ Exit status: 0 reproduced; 2 the folder or a recording could not be used.";
 
 /// Reproduces.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let What::Paper(arguments) = &arguments.what;
+    match &arguments.what {
+        What::Paper(arguments) => run_paper(arguments),
+        What::Benchmarks(arguments) => benchmarks::run(arguments),
+    }
+}
+
+fn run_paper(arguments: &PaperArguments) -> Result<(), Failure> {
     let folder = arguments.out.as_path();
     std::fs::create_dir_all(folder).map_err(|e| Failure::unwritable(&folder.display().to_string(), &e))?;
     let recordings =

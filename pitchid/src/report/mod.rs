@@ -1,5 +1,6 @@
 //! The report: one HTML file that needs nothing else, readable in light and dark and on paper.
 
+mod component;
 pub mod content;
 mod decimate;
 mod dependence;
@@ -13,6 +14,7 @@ use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
 use sysid::diagnosis::answer::{Answer, Dependence};
+use sysid::diagnosis::component::Component;
 use sysid::diagnosis::over_time::{OverTime, ResidualMoment};
 use sysid::diagnosis::traces::Trace;
 use traces::View;
@@ -37,6 +39,7 @@ struct Page<'a> {
     others: Vec<Figure>,
     /// Number of sections that are in the table only.
     undrawn: usize,
+    components: Vec<Figure>,
     dependence: Option<Figure>,
     over_time: Vec<Figure>,
     style: &'static str,
@@ -48,7 +51,12 @@ struct Page<'a> {
 ///
 /// # Errors
 /// A picture or the page that could not be drawn.
-pub fn html(content: &Content, traces: &[Trace], over_time: &OverTime) -> Result<String, Failure> {
+pub fn html(
+    content: &Content,
+    traces: &[Trace],
+    over_time: &OverTime,
+    components: &[Component],
+) -> Result<String, Failure> {
     let failed = |error: minijinja::Error| {
         Failure::new(format!("the report could not be made: {error}"), "leave out --report")
     };
@@ -64,6 +72,7 @@ pub fn html(content: &Content, traces: &[Trace], over_time: &OverTime) -> Result
         first,
         others,
         undrawn: traces.len().saturating_sub(MOST_SECTIONS + 1),
+        components: components.iter().map(of_term).collect::<Result<_, _>>()?,
         dependence,
         over_time: moments(content, traces, over_time)?,
         style: canvas::STYLE,
@@ -71,6 +80,11 @@ pub fn html(content: &Content, traces: &[Trace], over_time: &OverTime) -> Result
         json: embedded_json(content)?,
     };
     environment.get_template("report").and_then(|t| t.render(Serde(page))).map_err(failed)
+}
+
+/// What the data say of a term.
+fn of_term(component: &Component) -> Result<Figure, Failure> {
+    Ok(Figure { caption: component::caption(component), svg: component::picture(component)? })
 }
 
 /// The residual moment against a signal.

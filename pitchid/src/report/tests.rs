@@ -1,6 +1,7 @@
 use super::fixture::{HOSTILE, model};
 use super::*;
 use sysid::diagnosis::answer::{FitAnswer, Verdict};
+use sysid::diagnosis::component::Branch;
 
 fn answer() -> Answer {
     fixture::answer(Verdict::Ambiguous, &[("coulomb_friction", 0.1)], &["servo_deadband"])
@@ -27,8 +28,25 @@ fn over_time() -> OverTime {
     OverTime { of_time: false, runs: vec![run] }
 }
 
+fn component() -> Component {
+    let branch = Branch {
+        data: vec![[-0.3, 0.1, 0.02], [0.3, -0.1, 0.02]],
+        with: vec![[-0.3, 0.1], [0.3, -0.1]],
+        without: vec![[-0.3, 0.0], [0.3, 0.0]],
+    };
+    let friction = sysid::catalogue::find("coulomb_friction").unwrap();
+    Component {
+        about: friction.about(),
+        picture: friction.picture().unwrap(),
+        input_unit: "rad",
+        branches: vec![branch],
+    }
+}
+
 fn page(answer: &Answer, traces: &[Trace]) -> String {
-    html(&Content::new(answer, traces, vec![HOSTILE.into()], None), traces, &over_time()).unwrap()
+    let components: Vec<Component> = answer.effects.iter().map(|_| component()).collect();
+    let content = Content::new(answer, traces, vec![HOSTILE.into()], None);
+    html(&content, traces, &over_time(), &components).unwrap()
 }
 
 #[test]
@@ -76,7 +94,7 @@ fn every_part_of_the_answer_is_shown() {
     assert!(page.contains("<dt>feedback</dt>") && page.contains("<dd>input hold</dd>"));
     assert!(page.contains("<dd>rate sign</dd>"));
     assert!(page.contains("pitch damping") && page.contains("0.100") && page.contains("0.05 to 0.1 s"));
-    assert_eq!(page.matches("<svg").count(), 4, "two sections, a dependence, a moment over time");
+    assert_eq!(page.matches("<svg").count(), 5, "two sections, a term, a dependence, a moment over time");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Dry friction with another value each way.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M −= M_up for q > 0, M += M_down for q < 0 (Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994), with
 /// the sign of `coulomb_friction`; with the same value each way it is that.
@@ -23,6 +23,9 @@ impl Effect for AsymmetricFriction {
     }
     fn generalises(&self, other: &dyn Effect) -> bool {
         other.about().id == "coulomb_friction"
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Rate))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = 0.1 * data.moment;

@@ -1,7 +1,7 @@
 //! The servo follows with another lag up than down.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale};
 
 /// T u̇_a = u_c − u_a with T = T_up while the command is above the position, T_down while it is below; with the same lag
 /// each way it is `servo_lag`.
@@ -20,6 +20,9 @@ impl Effect for AsymmetricServo {
     }
     fn generalises(&self, other: &dyn Effect) -> bool {
         other.about().id == "servo_lag"
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::StepResponse)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let (lower, upper) = (0.2 * data.step, 0.5);

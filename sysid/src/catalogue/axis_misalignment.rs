@@ -2,7 +2,7 @@
 
 use crate::dataset::{Amplitudes, Dataset};
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 use crate::model::pitch::Output;
 
 /// q_meas = q cos a + p sin a.
@@ -18,6 +18,9 @@ impl Effect for AxisMisalignment {
             variable: "p",
             condition: "in proportion to the roll rate",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Measured(Signal::RollRate))
     }
     fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter {

@@ -1,7 +1,7 @@
 //! Dry friction in the pivot.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M −= Mc sign q, sticks at rest.
 ///
@@ -25,6 +25,9 @@ impl Effect for CoulombFriction {
     }
     fn class(&self) -> Option<Class> {
         Some(Class::SmallSignals)
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Rate))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = 0.1 * data.moment;

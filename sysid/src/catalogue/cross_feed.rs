@@ -2,7 +2,7 @@
 
 use crate::dataset::{Amplitudes, Dataset};
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M += c u_roll(t).
 pub struct CrossFeed;
@@ -17,6 +17,9 @@ impl Effect for CrossFeed {
             variable: "u_roll",
             condition: "in proportion to the command of the roll axis",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::RollCommand))
     }
     /// The axes' commands are taken to be of one size.
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {

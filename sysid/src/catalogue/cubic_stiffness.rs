@@ -1,7 +1,7 @@
 //! A cable or umbilical that stiffens.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M −= k3 θ³.
 pub struct CubicStiffness;
@@ -19,6 +19,9 @@ impl Effect for CubicStiffness {
     }
     fn class(&self) -> Option<Class> {
         Some(Class::LargeAngles)
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Angle))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = 0.1 * data.moment / data.theta.powi(3);

@@ -1,7 +1,7 @@
 //! The battery sags, the rotors droop: control effectiveness fades.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// ∂M/∂u (1 − a t).
 pub struct EffectivenessFade;
@@ -16,6 +16,9 @@ impl Effect for EffectivenessFade {
             variable: "t",
             condition: "more and more towards the end of the recording",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Gain(Signal::Time))
     }
     fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter { name: "a", unit: "1/s", lower: 0.0, upper: 0.02, scale: Scale::Linear(1e-3) }]

@@ -1,7 +1,7 @@
 //! Contact beyond an angle.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M −= ks (|θ| − θs) sign θ for |θ| > θs.
 pub struct EndStop;
@@ -19,6 +19,9 @@ impl Effect for EndStop {
     }
     fn class(&self) -> Option<Class> {
         Some(Class::LargeAngles)
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Angle))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = data.moment / data.theta;

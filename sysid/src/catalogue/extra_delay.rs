@@ -3,7 +3,7 @@
 use crate::dataset::Amplitudes;
 use crate::dataset::Dataset;
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale};
 
 /// u(t − τ − Δ).
 pub struct ExtraDelay;
@@ -21,6 +21,9 @@ impl Effect for ExtraDelay {
     }
     fn class(&self) -> Option<Class> {
         Some(Class::Phase)
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::StepResponse)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter {

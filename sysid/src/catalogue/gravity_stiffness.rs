@@ -1,7 +1,7 @@
 //! The centre of gravity lies below the pivot (or above it).
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M −= G sin θ; G < 0 where the centre of gravity lies above the pivot.
 pub struct GravityStiffness;
@@ -16,6 +16,9 @@ impl Effect for GravityStiffness {
             variable: "theta",
             condition: "in proportion to the pitch angle, at low frequency",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Angle))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = 0.1 * data.moment / data.theta;

@@ -3,7 +3,7 @@
 use crate::dataset::Amplitudes;
 use crate::dataset::Dataset;
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 use crate::model::pitch::Output;
 
 /// q_meas = (1 + s) q.
@@ -19,6 +19,9 @@ impl Effect for GyroScale {
             variable: "q",
             condition: "whenever it turns: the rate and the angle's slope disagree in proportion",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Measured(Signal::Rate))
     }
     fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter { name: "s", unit: "1", lower: -0.8, upper: 2.0, scale: Scale::Linear(0.05) }]

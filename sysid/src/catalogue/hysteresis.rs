@@ -1,7 +1,7 @@
 //! Friction that yields elastically before it slides.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale};
 
 /// M −= Mh z, ż = (k/Mh) (q − |q| z): the model of Bouc and Wen (Wen, Journal of the Engineering Mechanics Division 102,
 /// 1976) with exponent 1, which is that of Dahl (Aerospace Corporation TOR-0158, 1968). A spring of stiffness k after each
@@ -30,6 +30,9 @@ impl Effect for Hysteresis {
     }
     fn generalises(&self, other: &dyn Effect) -> bool {
         other.about().id == "coulomb_friction"
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Loop)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = data.moment / data.theta;

@@ -1,7 +1,7 @@
 //! The induced flow builds up behind the blade pitch and takes part of the thrust back.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale};
 
 /// M = ∂M/∂u (u_a − g λ), Tλ λ̇ = u_a − λ.
 pub struct InflowLag;
@@ -22,6 +22,9 @@ impl Effect for InflowLag {
     }
     fn class(&self) -> Option<Class> {
         Some(Class::Phase)
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::StepResponse)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![

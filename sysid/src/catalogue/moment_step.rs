@@ -1,7 +1,9 @@
 //! A constant moment that comes, stays and may go.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, ResidualMoment, Scale};
+use crate::model::effect::{
+    About, Conditions, Effect, Locus, Parameter, Picture, ResidualMoment, Scale, Signal,
+};
 
 /// M += M0 from t0 to t1: a load that is put down, a contact, a cable that catches; t1 beyond the end where it stays.
 pub struct MomentStep;
@@ -21,6 +23,9 @@ impl Effect for MomentStep {
             variable: "t",
             condition: "from one moment to another",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Time))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let (reach, duration) = (5.0 * data.moment, data.duration);

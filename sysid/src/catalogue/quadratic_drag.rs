@@ -1,7 +1,7 @@
 //! Drag that grows with the square of the pitch rate.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M −= D q|q|.
 pub struct QuadraticDrag;
@@ -16,6 +16,9 @@ impl Effect for QuadraticDrag {
             variable: "q",
             condition: "at large pitch rates, growing with the square",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Rate))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = 0.1 * data.moment / (data.q * data.q);

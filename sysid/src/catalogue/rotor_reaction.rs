@@ -2,7 +2,7 @@
 
 use crate::dataset::{Amplitudes, Dataset};
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale};
 use crate::recording::InputUnit;
 
 /// M += Jr u̇(t − τ): the reaction to the rotors' own angular acceleration, which yaw shows most (Pounds, Mahony and Corke,
@@ -30,6 +30,9 @@ impl Effect for RotorReaction {
     /// A lead: without another axis it turns the phase as a shorter delay does.
     fn class(&self) -> Option<Class> {
         Some(Class::Phase)
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::StepResponse)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let gain = data.moment / data.u;

@@ -1,7 +1,7 @@
 //! Small commands do nothing.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// u_a = 0 for |u_c| < b, else u_c − b sign u_c.
 pub struct ServoDeadband;
@@ -19,6 +19,9 @@ impl Effect for ServoDeadband {
     }
     fn class(&self) -> Option<Class> {
         Some(Class::SmallSignals)
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Command))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter {

@@ -1,7 +1,7 @@
 //! The collective servo, or the rotor behind it, follows the command as a first-order lag.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale};
 
 /// T u̇_a = u_c − u_a.
 pub struct ServoLag;
@@ -19,6 +19,9 @@ impl Effect for ServoLag {
     }
     fn class(&self) -> Option<Class> {
         Some(Class::Phase)
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::StepResponse)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter { name: "T", unit: "s", lower: 0.2 * data.step, upper: 0.5, scale: Scale::Log }]

@@ -1,7 +1,7 @@
 //! The collective servo slews no faster than a limit.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale};
 
 /// |u̇_a| ≤ r.
 pub struct ServoRateLimit;
@@ -16,6 +16,9 @@ impl Effect for ServoRateLimit {
             variable: "u_rate",
             condition: "for as long after a switch of the input as the slew takes",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::StepResponse)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter {

@@ -1,7 +1,7 @@
 //! The range of the collective is exhausted.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// |u_a| ≤ u_max.
 pub struct ServoSaturation;
@@ -16,6 +16,9 @@ impl Effect for ServoSaturation {
             variable: "u",
             condition: "when the command exceeds the limit",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Command))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter {

@@ -1,7 +1,7 @@
 //! The servo rings.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale};
 use crate::model::oscillator::oscillate;
 
 /// ü_a = ω² (u_c − u_a) − 2ζω u̇_a with ω = 2π f and ζ < 1.
@@ -20,6 +20,9 @@ impl Effect for ServoSecondOrder {
     }
     fn generalises(&self, other: &dyn Effect) -> bool {
         other.about().id == "servo_lag"
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::StepResponse)
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![

@@ -5,7 +5,7 @@
 //! leaves nothing for them to explain.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 use crate::model::pitch::Output;
 
 /// Most shapes of one term.
@@ -29,6 +29,7 @@ pub struct Signals {
 /// A term without a name.
 pub struct Shape {
     id: &'static str,
+    picture: Option<Picture>,
     locus: Locus,
     variable: &'static str,
     /// As the end of "what is missing is ...".
@@ -45,6 +46,7 @@ pub struct Shape {
 
 const PLAIN: Shape = Shape {
     id: "",
+    picture: None,
     locus: Locus::PitchMoment,
     variable: "",
     words: "",
@@ -83,17 +85,19 @@ fn lag(state: &mut f64, input: f64, time: f64, dt: f64) {
 /// A moment of one product of signals.
 const fn product(
     id: &'static str,
+    picture: Picture,
     variable: &'static str,
     words: &'static str,
     shapes: fn(&Signals) -> [f64; MOST],
 ) -> Shape {
-    Shape { id, variable, words, count: 1, shapes, ..PLAIN }
+    Shape { id, picture: Some(picture), variable, words, count: 1, shapes, ..PLAIN }
 }
 
 /// All terms without a name.
 pub const SHAPES: &[&Shape] = &[
     &Shape {
         id: "of_q",
+        picture: Some(Picture::Moment(Signal::Rate)),
         variable: "q",
         words: "a moment that depends on the pitch rate",
         count: 4,
@@ -102,6 +106,7 @@ pub const SHAPES: &[&Shape] = &[
     },
     &Shape {
         id: "of_slow_q",
+        picture: Some(Picture::Moment(Signal::Rate)),
         variable: "q",
         words: "a friction that differs between small rates and large ones",
         count: 2,
@@ -110,6 +115,7 @@ pub const SHAPES: &[&Shape] = &[
     },
     &Shape {
         id: "of_theta",
+        picture: Some(Picture::Moment(Signal::Angle)),
         variable: "theta",
         words: "a moment that depends on the pitch angle",
         count: 4,
@@ -118,6 +124,7 @@ pub const SHAPES: &[&Shape] = &[
     },
     &Shape {
         id: "of_theta_by_side",
+        picture: Some(Picture::Moment(Signal::Angle)),
         variable: "theta",
         words: "a stiffness that differs nose-up from nose-down",
         count: 2,
@@ -126,6 +133,7 @@ pub const SHAPES: &[&Shape] = &[
     },
     &Shape {
         id: "of_u",
+        picture: Some(Picture::Moment(Signal::Command)),
         locus: Locus::Actuator,
         variable: "u",
         words: "a moment that is not proportional to the command",
@@ -133,27 +141,54 @@ pub const SHAPES: &[&Shape] = &[
         shapes: |s| shapes([1.0, s.v.abs()]),
         ..PLAIN
     },
-    &product("abs_q_times_u", "|q| u", "an effectiveness that depends on the speed of rotation", |s| {
-        shapes([s.x.abs() * s.v])
+    &product(
+        "abs_q_times_u",
+        Picture::Gain(Signal::Rate),
+        "|q| u",
+        "an effectiveness that depends on the speed of rotation",
+        |s| shapes([s.x.abs() * s.v]),
+    ),
+    &product(
+        "q_times_abs_u",
+        Picture::Damping(Signal::Command),
+        "q |u|",
+        "a damping that depends on the command",
+        |s| shapes([s.x * s.v.abs()]),
+    ),
+    &product(
+        "abs_theta_times_u",
+        Picture::Gain(Signal::Angle),
+        "|theta| u",
+        "an effectiveness that depends on the angle",
+        |s| shapes([s.y.abs() * s.v]),
+    ),
+    &product(
+        "q_times_abs_theta",
+        Picture::Damping(Signal::Angle),
+        "q |theta|",
+        "a damping that depends on the angle",
+        |s| shapes([s.x * s.y.abs()]),
+    ),
+    &product("q_times_u", Picture::Gain(Signal::Rate), "q u", "a moment of rate and command together", |s| {
+        shapes([s.x * s.v])
     }),
-    &product("q_times_abs_u", "q |u|", "a damping that depends on the command", |s| {
-        shapes([s.x * s.v.abs()])
-    }),
-    &product("abs_theta_times_u", "|theta| u", "an effectiveness that depends on the angle", |s| {
-        shapes([s.y.abs() * s.v])
-    }),
-    &product("q_times_abs_theta", "q |theta|", "a damping that depends on the angle", |s| {
-        shapes([s.x * s.y.abs()])
-    }),
-    &product("q_times_u", "q u", "a moment of rate and command together", |s| shapes([s.x * s.v])),
-    &product("theta_times_u", "theta u", "an effectiveness that differs nose-up from nose-down", |s| {
-        shapes([s.y * s.v])
-    }),
-    &product("q_times_theta", "q theta", "a damping that differs nose-up from nose-down", |s| {
-        shapes([s.x * s.y])
-    }),
+    &product(
+        "theta_times_u",
+        Picture::Gain(Signal::Angle),
+        "theta u",
+        "an effectiveness that differs nose-up from nose-down",
+        |s| shapes([s.y * s.v]),
+    ),
+    &product(
+        "q_times_theta",
+        Picture::Damping(Signal::Angle),
+        "q theta",
+        "a damping that differs nose-up from nose-down",
+        |s| shapes([s.x * s.y]),
+    ),
     &Shape {
         id: "of_q_and_theta",
+        picture: Some(Picture::Loop),
         variable: "theta",
         words: "a friction that depends on the angle",
         count: 4,
@@ -165,6 +200,7 @@ pub const SHAPES: &[&Shape] = &[
     },
     &Shape {
         id: "slipping_springs",
+        picture: Some(Picture::Loop),
         variable: "theta",
         words: "a spring that slips: the moment depends on where the angle turned last",
         count: 2,
@@ -180,6 +216,7 @@ pub const SHAPES: &[&Shape] = &[
     },
     &Shape {
         id: "gain_over_time",
+        picture: Some(Picture::Gain(Signal::Time)),
         locus: Locus::Actuator,
         variable: "t",
         words: "an effectiveness of the blades that changes over time",
@@ -193,6 +230,7 @@ pub const SHAPES: &[&Shape] = &[
     },
     &Shape {
         id: "moment_over_time",
+        picture: Some(Picture::Moment(Signal::Time)),
         locus: Locus::Environment,
         variable: "t",
         words: "a moment that depends on the time alone",
@@ -203,6 +241,7 @@ pub const SHAPES: &[&Shape] = &[
     },
     &Shape {
         id: "damping_over_time",
+        picture: Some(Picture::Damping(Signal::Time)),
         variable: "t",
         words: "a damping that changes over time",
         count: 7,
@@ -215,6 +254,7 @@ pub const SHAPES: &[&Shape] = &[
     },
     &Shape {
         id: "memory_of_u",
+        picture: Some(Picture::StepResponse),
         locus: Locus::Actuator,
         variable: "u_rate",
         words: "a moment that follows the command with further lags",
@@ -321,6 +361,9 @@ impl Effect for Shape {
             variable: self.variable,
             condition: "as the fitted curve says",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        self.picture
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let (unit, size) = if self.measured { ("rad/s", data.q) } else { ("N m", data.moment) };

@@ -1,7 +1,7 @@
 //! Friction that falls with speed.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M −= (Mc + (Ms − Mc) exp(−(q/qs)²)) sign q (Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994), with
 /// the sign of `coulomb_friction`; without a fall (Ms = Mc) it is that.
@@ -23,6 +23,9 @@ impl Effect for StribeckFriction {
     }
     fn generalises(&self, other: &dyn Effect) -> bool {
         other.about().id == "coulomb_friction"
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Rate))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = 0.1 * data.moment;

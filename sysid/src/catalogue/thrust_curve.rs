@@ -1,7 +1,7 @@
 //! Thrust is not linear in the collective.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M = ∂M/∂u u_a (1 + κ|u_a|).
 pub struct ThrustCurve;
@@ -16,6 +16,9 @@ impl Effect for ThrustCurve {
             variable: "u",
             condition: "at large commands against small ones",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Command))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter {

@@ -2,7 +2,7 @@
 
 use crate::dataset::{Amplitudes, Dataset};
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// ∂M/∂u (1 + k (T − T̄)/T̄), T the collective thrust and T̄ its mean.
 pub struct ThrustDependence;
@@ -17,6 +17,9 @@ impl Effect for ThrustDependence {
             variable: "thrust",
             condition: "at high thrust against low",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Gain(Signal::Thrust))
     }
     fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter { name: "k", unit: "1", lower: -5.0, upper: 5.0, scale: Scale::Linear(0.1) }]

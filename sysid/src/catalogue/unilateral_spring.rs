@@ -1,7 +1,7 @@
 //! A cable that only pulls.
 
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M −= k s max(0, s (θ − θ0)) with s the sign of θ0: slack up to the angle θ0, a spring beyond it on that side.
 pub struct UnilateralSpring;
@@ -16,6 +16,9 @@ impl Effect for UnilateralSpring {
             variable: "theta",
             condition: "beyond the angle at which the cable is taut, on one side",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Moment(Signal::Angle))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let unit = data.moment / data.theta;

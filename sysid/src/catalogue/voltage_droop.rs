@@ -2,7 +2,7 @@
 
 use crate::dataset::{Amplitudes, Dataset};
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// ∂M/∂u (V/V̄)^n, V the supply voltage and V̄ its mean; thrust at a fixed throttle goes with about the square of it.
 pub struct VoltageDroop;
@@ -17,6 +17,9 @@ impl Effect for VoltageDroop {
             variable: "voltage",
             condition: "at high supply voltage against low",
         }
+    }
+    fn picture(&self) -> Option<Picture> {
+        Some(Picture::Gain(Signal::Voltage))
     }
     fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter { name: "n", unit: "1", lower: 0.0, upper: 8.0, scale: Scale::Linear(0.2) }]

@@ -6,6 +6,7 @@ use super::answer::{
     ModelAnswer, Remainder, VafAnswer, Verdict,
 };
 use super::ceiling::ceilings;
+use super::component::{Component, components};
 use super::describe;
 use super::diagnose::Diagnosis;
 use super::estimates::estimates;
@@ -73,6 +74,7 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
             of_time: judgement.of_time(),
             runs: residual_moments(problem, baseline, extended),
         },
+        components: judgement.components(),
         model,
     }
 }
@@ -112,6 +114,16 @@ fn held_out(part: &super::rotation::HeldOut) -> HeldOutAnswer {
 }
 
 impl Judgement<'_, '_> {
+    /// What the data say of each term, in the order of the answer.
+    fn components(&self) -> Vec<Component> {
+        let mut all = components(self.problem, self.extended());
+        let findings = || self.named.iter().chain(&self.shapes).chain(&self.small);
+        let place = |c: &Component| findings().position(|f| f.effect.about().id == c.about.id);
+        all.retain(|component| place(component).is_some());
+        all.sort_by_key(place);
+        all
+    }
+
     fn chosen_in(&self) -> BTreeMap<String, [usize; 2]> {
         let ids = self.named.iter().chain(&self.small).chain(&self.shapes).map(|f| f.effect.about().id);
         let chosen = |id: &str| self.rotation.gain(id).map_or(0, |gain| gain.chosen);

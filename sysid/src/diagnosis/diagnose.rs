@@ -3,6 +3,7 @@
 use super::answer::{Answer, FitAnswer, Location, Verdict};
 use super::building::{build, model_answer};
 use super::ceiling::ceilings;
+use super::component::Component;
 use super::data_checks::{self, DataCheck};
 use super::describe;
 use super::excitation;
@@ -32,6 +33,8 @@ pub struct Diagnosis {
     pub traces: Vec<Trace>,
     /// What the models leave, over time.
     pub over_time: OverTime,
+    /// What the data say of each term that was added, largest share first.
+    pub components: Vec<Component>,
     /// The extended model, with the values of the answer.
     pub model: ModelFile,
 }
@@ -181,6 +184,7 @@ fn unanswered(
         },
         traces: Vec::new(),
         over_time: OverTime::default(),
+        components: Vec::new(),
         model: problem.baseline.to_model_file(problem.data.origin()),
     }
 }

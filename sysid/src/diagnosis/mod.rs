@@ -11,6 +11,7 @@ pub mod answer;
 mod building;
 mod ceiling;
 mod change_point;
+pub mod component;
 pub mod data_checks;
 mod describe;
 mod diagnose;

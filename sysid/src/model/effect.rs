@@ -104,6 +104,44 @@ pub struct ResidualMoment {
     pub moment: Vec<f64>,
 }
 
+/// A signal that a term is drawn over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Signal {
+    /// Pitch rate q, rad/s.
+    Rate,
+    /// Pitch angle θ, rad.
+    Angle,
+    /// The delayed command u, its unit.
+    Command,
+    /// Time, s.
+    Time,
+    /// Roll rate, rad/s.
+    RollRate,
+    /// Command of the roll axis, its unit.
+    RollCommand,
+    /// Collective thrust relative to its mean.
+    Thrust,
+    /// Supply voltage relative to its mean.
+    Voltage,
+}
+
+/// What a term is drawn as, beside what the data say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Picture {
+    /// The moment over a signal; over the command, the moment beside ∂M/∂u·u.
+    Moment(Signal),
+    /// The moment over the angle, apart for the angle rising and falling.
+    Loop,
+    /// ∂M/∂u over a signal.
+    Gain(Signal),
+    /// ∂M/∂q over a signal.
+    Damping(Signal),
+    /// The moment after a step of the command, per unit of the command, over the time since.
+    StepResponse,
+    /// What the measured rate has beside the rate, over a signal.
+    Measured(Signal),
+}
+
 /// What an effect is called, and how it is told to a person.
 #[derive(Clone, Copy, Debug)]
 pub struct About {
@@ -127,6 +165,10 @@ pub trait Effect: Sync {
     fn about(&self) -> About;
     /// Where its equation comes from: author and year.
     fn source(&self) -> Option<&'static str> {
+        None
+    }
+    /// What it is drawn as; `None` where no picture shows it.
+    fn picture(&self) -> Option<Picture> {
         None
     }
     /// Its parameters with bounds that suit the signals at hand.

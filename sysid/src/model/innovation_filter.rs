@@ -30,4 +30,18 @@ impl InnovationFilter {
     pub fn command(&self, run: &Run, k: usize) -> f64 {
         Shift::new(self.delay, 0, 1, run.step, run.held).apply(&run.u, k)
     }
+
+    /// x⁺ = Φ (I − K C) x + drive · f for all features f at once: x has a row for each state, `next` is room for the same.
+    pub fn advance(&self, drive: &State, f: &[f64], x: &mut Vec<Vec<f64>>, next: &mut Vec<Vec<f64>>) {
+        for (i, row) in next.iter_mut().enumerate() {
+            row.iter_mut().zip(f).for_each(|(y, f)| *y = drive[i] * f);
+            for (j, x) in x.iter().enumerate() {
+                let a = self.transition[(i, j)];
+                if a != 0.0 {
+                    row.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
+                }
+            }
+        }
+        core::mem::swap(x, next);
+    }
 }

@@ -3,6 +3,10 @@
 //! Linear parts are propagated exactly (matrix exponential), effects by a midpoint rule over steps of at most 10 ms:
 //! each effect's moment is split into its linear part, which joins the state matrix, and a remainder.
 
+mod part_of_a_term;
+
+pub use part_of_a_term::Part;
+
 use super::innovation_filter::InnovationFilter;
 use super::kalman::{Channel, steady_gain};
 use super::shift::Shift;

@@ -11,8 +11,7 @@ use super::Test;
 use super::left::{Known, Left, white};
 use super::score::{Outcome, Sums};
 use crate::estimate::digits;
-use crate::model::innovation_filter::InnovationFilter;
-use crate::model::plant::{STATES, State};
+use crate::model::plant::STATES;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -153,7 +152,7 @@ fn outcome(left: &Left, entry: Entry, count: usize, fill: &dyn Fn(&Known, &mut [
         for k in 1..stretch.known.len() {
             fill(&stretch.known[k - 1], &mut f);
             if entry == Entry::Moment {
-                advance(filter, &drive, &f, &mut x, &mut next);
+                filter.advance(&drive, &f, &mut x, &mut next);
             }
             if stretch.counted[k] {
                 for (shown, &state) in shown.iter_mut().zip(&filter.measured) {
@@ -169,7 +168,7 @@ fn outcome(left: &Left, entry: Entry, count: usize, fill: &dyn Fn(&Known, &mut [
                 }
             }
             if entry == Entry::Measurement {
-                advance(filter, &drive, &f, &mut x, &mut next);
+                filter.advance(&drive, &f, &mut x, &mut next);
             }
             index += usize::from(stretch.counted[k]);
         }
@@ -177,27 +176,8 @@ fn outcome(left: &Left, entry: Entry, count: usize, fill: &dyn Fn(&Known, &mut [
     sums.outcome()
 }
 
-/// x⁺ = Φ (I − K C) x + drive · f, all features at once.
-fn advance(
-    filter: &InnovationFilter,
-    drive: &State,
-    f: &[f64],
-    x: &mut Vec<Vec<f64>>,
-    next: &mut Vec<Vec<f64>>,
-) {
-    for (i, row) in next.iter_mut().enumerate() {
-        row.iter_mut().zip(f).for_each(|(y, f)| *y = drive[i] * f);
-        for (j, x) in x.iter().enumerate() {
-            let a = filter.transition[(i, j)];
-            if a != 0.0 {
-                row.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
-            }
-        }
-    }
-    core::mem::swap(x, next);
-}
-
-fn whiten(whitening: &[f64; 3], shown: &mut [Vec<f64>]) {
+/// Each feature's response, made white.
+pub fn whiten(whitening: &[f64; 3], shown: &mut [Vec<f64>]) {
     if let [first, second] = shown {
         for (a, b) in first.iter_mut().zip(second) {
             [*a, *b] = white(whitening, &[*a, *b]);

@@ -104,7 +104,7 @@ impl Left {
 }
 
 /// Inverse of the Cholesky factor of the innovations' covariance; zeros for a dead second channel.
-fn whitening(residuals: &[Output]) -> [f64; 3] {
+pub fn whitening(residuals: &[Output]) -> [f64; 3] {
     let (inverse, _) = weights(residuals);
     match inverse.try_inverse().and_then(|s| Some((s, s.cholesky()?))) {
         Some((_, factor)) => {

@@ -16,8 +16,8 @@
 mod burst;
 mod chance;
 mod constancy;
-mod features;
-mod left;
+pub(super) mod features;
+pub(super) mod left;
 mod line;
 mod score;
 #[cfg(test)]

@@ -1,0 +1,47 @@
+//! What one term of a model does over a sample: the model with it against the model without it.
+
+use super::{PitchModel, Point};
+use crate::dataset::Run;
+use crate::model::plant::Q;
+
+/// The part of one term from one row to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// The moment, held over the sample, that moves the pitch rate by as much as the term does, N m.
+    pub moment: f64,
+    /// What the term adds to the measured rate at the next row, rad/s.
+    pub measured: f64,
+    /// Where the model with the term is at the next row, before the measurement is seen.
+    pub next: Point,
+}
+
+impl PitchModel<'_> {
+    /// The part of the term `index` between row `k` of `run`, where the model is at `point`, and the next; `without` is the
+    /// same model without that term. `None` where either diverges.
+    pub fn part(
+        &self,
+        without: &PitchModel<'_>,
+        index: usize,
+        point: &Point,
+        run: &Run,
+        k: usize,
+    ) -> Option<Part> {
+        let (mut next, mut other) = (*point, self.less(index, point));
+        if !self.advance(&mut next, run, k) || !without.advance(&mut other, run, k) {
+            return None;
+        }
+        let per_moment: f64 = self.per_moment_of_substep.iter().map(|response| response[Q]).sum();
+        let sensed = self.sensed(&next)[0] - without.sensed(&self.less(index, &next))[0];
+        Some(Part { moment: (next.x[Q] - other.x[Q]) / per_moment, measured: sensed, next })
+    }
+
+    /// `point` without the own states of the term `index`.
+    fn less(&self, index: usize, point: &Point) -> Point {
+        let own = self.terms[index].own.clone();
+        let mut less = *point;
+        let kept = point.own.len() - own.len();
+        less.own.copy_within(own.end.., own.start);
+        less.own[kept..].fill(0.0);
+        less
+    }
+}
