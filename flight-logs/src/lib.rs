@@ -178,14 +178,19 @@ impl Topic {
     /// Rows per second: one over the median of the positive time steps; `None` below three rows.
     #[must_use]
     pub fn rate_hz(&self) -> Option<f64> {
-        let mut steps: Vec<f64> =
-            self.time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
-        if steps.len() < 2 {
-            return None;
-        }
-        let middle = steps.len() / 2;
-        Some(1.0 / *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
+        rate_hz(&self.time_s)
     }
+}
+
+/// One over the median of the positive steps between `times` (s); `None` where there are not two.
+fn rate_hz(times: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> =
+        times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    if steps.len() < 2 {
+        return None;
+    }
+    let middle = steps.len() / 2;
+    Some(1.0 / *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 impl Field {

@@ -70,13 +70,14 @@ impl Diagnostic for Failure {
 impl From<sysid::error::Error> for Failure {
     fn from(error: sysid::error::Error) -> Self {
         let full = error.to_string();
-        let (message, _) = full.split_once("\n  ").unwrap_or((&full, ""));
+        let (first, _) = full.split_once("\n  ").unwrap_or((&full, ""));
+        let message = std::iter::once(first.to_owned()).chain(error.others()).collect::<Vec<_>>().join("\n");
         let help = match &error.expected {
             Some(expected) => format!("expected {expected}; {}", error.advice),
             None => error.advice.to_string(),
         };
         let excerpt = error.file.as_deref().zip(error.line).and_then(|(file, line)| excerpt(file, line));
-        Self { message: message.into(), help, excerpt }
+        Self { message, help, excerpt }
     }
 }
 

@@ -3,6 +3,7 @@
 //! The command only reads arguments, calls the libraries, and shows what they answer: on the terminal
 //! ([`text`]), as JSON, and as a report of one HTML file ([`report`]).
 
+mod axes;
 mod board;
 mod commands;
 mod failure;

@@ -1,5 +1,7 @@
 //! Answers as they stand on a terminal: paragraphs and tables of plain text.
 
+pub mod comparison;
+
 use crate::format;
 use crate::output::width;
 use crate::report::content::{CheckRows, Content, plant_meaning};

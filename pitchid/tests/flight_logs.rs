@@ -165,3 +165,35 @@ fn real_flights_are_diagnosed_humbly() {
         assert!(notes.contains("unit inertia") && notes.contains("the loop is closed"), "{name}: {notes}");
     }
 }
+
+#[test]
+fn channels_are_worked_out_of_several() {
+    let Some(folder) = logs() else { return };
+    let betaflight = |columns: &[&str]| {
+        let mut arguments =
+            vec!["identify", "betaflight/LOG00037.BFL", "--axis", "roll", "--time", "452..470"];
+        columns.iter().for_each(|column| arguments.extend(["--column", column]));
+        arguments.extend(["--json", "-"]);
+        run(&folder, &arguments)
+    };
+    let gain = |columns: &[&str]| {
+        let (status, out, err) = betaflight(columns);
+        assert_eq!(status, Some(0), "{err}");
+        let answer: Value = serde_json::from_str(&out).unwrap();
+        let parameters = answer["parameters"].as_array().unwrap().clone();
+        let gain = parameters.iter().find(|p| p["name"] == "dM_du").unwrap_or_else(|| panic!("{out}"));
+        gain["value"].as_f64().unwrap()
+    };
+    let plain = gain(&[]);
+    let asked = "u_norm=(main.axisP[0]+main.axisI[0]+main.axisD[0]+main.axisF[0])/1000";
+    let same = gain(&["q_rad_s=-main.gyroADC[0]*2/-2", asked]);
+    let halved = gain(&["u_norm=input+`input`"]);
+    assert!(
+        (same / plain - 1.0).abs() < 0.02 && (halved / plain - 0.5).abs() < 0.02,
+        "{plain} {same} {halved}"
+    );
+    let (status, _, err) = betaflight(&["u_norm=main.motor[0]-main.motr[1]"]);
+    let err = err.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(status == Some(2) && err.contains("no channel main.motr[1]"), "{err}");
+    assert!(err.contains("there are main.motor[1], "), "{err}");
+}

@@ -53,9 +53,23 @@ pub struct Error {
     pub expected: Option<Box<str>>,
     /// What to do about it.
     pub advice: Box<str>,
+    /// What else is wrong with the same file; none where this is all.
+    pub also: Option<Box<Also>>,
+}
+
+/// What else is wrong with a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Also {
+    /// In order of the lines; at most [`Error::MOST_TOLD`] with the one that has these beside it.
+    pub errors: Vec<Error>,
+    /// How many more there are that are not in the list.
+    pub more: usize,
 }
 
 impl Error {
+    /// Errors of one file that are told in one run.
+    pub const MOST_TOLD: usize = 20;
+
     /// An error with neither place nor expectation; `found` and `advice` are phrases without a full stop.
     #[must_use]
     pub fn new(kind: ErrorKind, found: impl Into<Box<str>>, advice: impl Into<Box<str>>) -> Self {
@@ -67,7 +81,27 @@ impl Error {
             found: found.into(),
             expected: None,
             advice: advice.into(),
+            also: None,
         }
+    }
+
+    /// The first of several errors of one file, with the others; `count` is how many there are in all.
+    #[must_use]
+    pub fn of_several(errors: Vec<Self>, count: usize) -> Option<Self> {
+        let mut errors = errors.into_iter();
+        let first = errors.next()?;
+        let errors: Vec<Self> = errors.take(Self::MOST_TOLD - 1).collect();
+        let more = count.saturating_sub(1 + errors.len());
+        let also = (!errors.is_empty()).then(|| Box::new(Also { errors, more }));
+        Some(Self { also, ..first })
+    }
+
+    /// What else is wrong, a line each: place and what was found.
+    pub fn others(&self) -> impl Iterator<Item = String> + '_ {
+        self.also.iter().flat_map(|also| {
+            let told = also.errors.iter().map(|error| format!("{}{}", Place(error), error.found));
+            told.chain((also.more > 0).then(|| format!("and {} more", also.more)))
+        })
     }
 
     /// Names the file.
@@ -113,24 +147,49 @@ impl Error {
     }
 }
 
-struct Message<'a>(&'a Error);
+/// Where it is, with a colon behind; nothing where that is not known.
+struct Place<'a>(&'a Error);
 
-impl fmt::Display for Message<'_> {
+impl fmt::Display for Place<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let error = self.0;
         let mut place = Vec::new();
         place.extend(error.file.as_deref().map(str::to_owned));
         place.extend(error.line.map(|line| format!("line {line}")));
         place.extend(error.column.as_deref().map(|column| format!("column {column}")));
-        if !place.is_empty() {
-            write!(f, "{}: ", place.join(", "))?;
-        }
-        write!(f, "{}", error.found)?;
+        if place.is_empty() { Ok(()) } else { write!(f, "{}: ", place.join(", ")) }
+    }
+}
+
+struct Message<'a>(&'a Error);
+
+impl fmt::Display for Message<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let error = self.0;
+        write!(f, "{}{}", Place(error), error.found)?;
         if let Some(expected) = &error.expected {
             write!(f, "\n  expected: {expected}")?;
         }
-        write!(f, "\n  advice: {}", error.advice)
+        write!(f, "\n  advice: {}", error.advice)?;
+        error.others().try_for_each(|other| write!(f, "\n  also: {other}"))
     }
+}
+
+/// Names for a message: those most like `wanted` first, cut after the twelfth.
+#[must_use]
+pub fn nearest<'n>(names: impl IntoIterator<Item = &'n str>, wanted: &str) -> String {
+    const MOST: usize = 12;
+    let lower = wanted.to_lowercase();
+    let likeness = |name: &str| strsim::normalized_damerau_levenshtein(&name.to_lowercase(), &lower);
+    let mut names: Vec<(f64, &str)> = names.into_iter().map(|name| (likeness(name), name)).collect();
+    names.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let shown = names.iter().take(MOST);
+    let mut listed: Vec<String> =
+        shown.map(|(_, name)| name.chars().take(40).flat_map(char::escape_debug).collect()).collect();
+    if names.len() > MOST {
+        listed.push(format!("and {} more", names.len() - MOST));
+    }
+    listed.join(", ")
 }
 
 /// A piece of foreign text as it may stand in a message: quoted, control characters escaped, cut short.
@@ -159,6 +218,14 @@ mod tests {
             error.to_string(),
             "a.csv, line 3, column u_rad: found \"abc\"\n  expected: a number\n  advice: correct the cell"
         );
+    }
+
+    #[test]
+    fn the_likest_names_come_first() {
+        let names = ["t_s", "battery", "gyro_x", "Gyro_Y", "u"];
+        assert!(nearest(names, "gyro_y").starts_with("Gyro_Y, gyro_x, "), "{}", nearest(names, "gyro_y"));
+        let many: Vec<String> = (0..20).map(|k| format!("m{k}")).collect();
+        assert!(nearest(many.iter().map(String::as_str), "m7").ends_with(", and 8 more"));
     }
 
     #[test]

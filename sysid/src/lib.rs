@@ -17,11 +17,13 @@
 //! | all methods side by side, on sections that none has seen | [`identify::compare::identify`] |
 //! | whether errors are white, or hold something of the input; response and coherence without a model | [`validate`] |
 //! | what the user's simulation leaves out | [`diagnosis::diagnose`] |
+//! | what changed on a craft between two recordings | [`compare::compare`] |
 //!
 //! The symbols are those of [`model::plant`]. Every estimate is an [`estimate::Estimate`]: value, unit, interval.
 //! Errors are [`error::Error`]: what was found, where, what to do. Nothing here knows the simulator.
 
 pub mod catalogue;
+pub mod compare;
 pub mod dataset;
 pub mod diagnosis;
 pub mod error;

@@ -339,10 +339,10 @@ fn sealed_recordings_raise_no_alarm_about_clock_unit_or_sign() {
 
 #[test]
 fn signals_without_a_file_keep_their_names_and_have_no_lines() {
-    use sysid::recording::{ColumnMap, ReadOptions, from_signals};
+    use sysid::recording::{ColumnMap, Expression, ReadOptions, from_signals};
     let map = |target: &str, source: &str, factor| ColumnMap {
         target: target.into(),
-        source: source.into(),
+        source: Expression::column(source),
         factor,
     };
     let t: Vec<f64> =
@@ -373,4 +373,117 @@ fn signals_without_a_file_keep_their_names_and_have_no_lines() {
     assert!(error.found.contains("row 5") && error.column.as_deref() == Some("RATE.P"), "{error}");
     assert!(refused(t.clone(), signals()[..1].to_vec()).found.contains("neither"));
     assert!(refused(t.clone(), signals()[1..].to_vec()).found.contains("no input"));
+}
+
+#[test]
+fn columns_are_worked_out_of_several() {
+    let mut text = "t us,m1,m2,m3,m4,gyro[1],note\n".to_owned();
+    for k in 0..40 {
+        let x = f64::from(k);
+        text += &format!("{},{},{},0.5,0.25,{},x\n", 20_000 * k, 0.01 * x, 0.02 * x, 10.0 * x.sin());
+    }
+    let options = ReadOptions {
+        columns: ["t_s=`t us`*1e-6", "u_norm=0.25*(m1+m2-m3-m4)", "q_rad_s=-gyro[1]*pi/180"]
+            .map(|map| map.parse().unwrap())
+            .to_vec(),
+        ..ReadOptions::default()
+    };
+    let recording = parse("mixed.csv", text.as_bytes(), &options).unwrap();
+    assert_eq!(recording.step, 0.02);
+    assert!((recording.u[10] - 0.25 * (0.1 + 0.2 - 0.75)).abs() < 1e-12, "{}", recording.u[10]);
+    assert!((recording.q.as_deref().unwrap()[3] + 10_f64.to_radians() * 3_f64.sin()).abs() < 1e-12);
+    let told: Vec<&str> = recording.notes.iter().map(|note| note.text.as_str()).collect();
+    assert!(told.iter().any(|text| text.contains("u_norm is m1+m2-m3-m4 of the file's columns, times 0.25")));
+    assert!(told.contains(&"columns not used: note"), "{told:?}");
+
+    let bad = text.replace("0.03,0.06,0.5", "0.03,abc,0.5");
+    let error = parse("mixed.csv", bad.as_bytes(), &options).unwrap_err();
+    assert_eq!((error.line, error.column.as_deref()), (Some(5), Some("m2")), "{error}");
+    let unknown = ReadOptions { columns: vec!["u_norm=m1-m22".parse().unwrap()], ..options };
+    let error = parse("mixed.csv", text.as_bytes(), &unknown).unwrap_err().to_string();
+    assert!(
+        error.contains("u_norm=m1-m22: the file has no column \"m22\"\n  expected: one of m2, "),
+        "{error}"
+    );
+}
+
+#[test]
+fn cells_without_a_number_are_gaps_that_are_told() {
+    let mut rows: Vec<String> = (0..200)
+        .map(|k| {
+            let x = 0.1 * f64::from(k);
+            let battery = if k % 10 == 0 { format!("{}", 12.0 - 0.1 * x) } else { String::new() };
+            format!("{:.2},{},{},{},{battery},", 0.02 * f64::from(k), x.sin(), x.cos(), 0.3 * x.sin())
+        })
+        .collect();
+    let text = |rows: &[String]| {
+        "t_s,u_rad,q_rad_s,theta_rad,battery_v,p_rad_s\n".to_owned() + &rows.join("\n") + "\n"
+    };
+    for (k, cells) in [
+        (20, "0.40,,1,0.1,,"),
+        (21, "0.42,0.1,NaN,0.1,,"),
+        (50, "1.00,0.1,-nan,0.1,,"),
+        (51, "1.02,0.1,1,N/A,,"),
+        (52, "1.04,0.1,1,null,,"),
+        (53, "nan,0.1,1,0.1,,"),
+        (54, "1.08,0.1,-nan(ind),0.1,,"),
+    ] {
+        rows[k] = cells.to_owned();
+    }
+    let recording = parse("gaps.csv", text(&rows).as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!((recording.len(), recording.segments.len()), (195, 2), "two are filled, five are a gap");
+    let told = notes(&recording, NoteKind::Missing);
+    assert_eq!(told.len(), 3, "{told:?}");
+    assert_eq!(told[0], "p_rad_s holds no number and is not used");
+    assert!(
+        told[1].starts_with("battery_v: 182 cells without a number (line 3 to 11, 13 to 31"),
+        "{}",
+        told[1]
+    );
+    assert_eq!(
+        told[2],
+        "7 rows without a number in u_rad, q_rad_s, theta_rad, t_s: left out as a gap (line 22 to 23, 52 to 56)"
+    );
+    assert_eq!(notes(&recording, NoteKind::Gap).len(), 1);
+    assert!(recording.p.is_none());
+    let battery = recording.battery.as_deref().unwrap();
+    assert!((battery[5] - (12.0 - 0.1 * 0.5)).abs() < 1e-12, "a straight line: {}", battery[5]);
+
+    // an angle that was logged at a tenth of the rate
+    let sparse: Vec<String> = (0..200)
+        .map(|k| {
+            let x = 0.1 * f64::from(k);
+            let angle = if k % 10 == 0 { "0.1" } else { "" };
+            format!("{:.2},{},{},{angle},12,0", 0.02 * f64::from(k), x.sin(), x.cos())
+        })
+        .collect();
+    let recording = parse("sparse.csv", text(&sparse).as_bytes(), &ReadOptions::default()).unwrap();
+    assert!(recording.theta.is_none() && recording.len() == 200);
+    assert_eq!(
+        notes(&recording, NoteKind::Missing),
+        ["theta_rad has a number in 20 of 200 rows only and is not used"]
+    );
+
+    let dead: Vec<String> = (0..200).map(|k| format!("{:.2},,1,1,12,0", 0.02 * f64::from(k))).collect();
+    let error = parse("dead.csv", text(&dead).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert_eq!(error.column.as_deref(), Some("u_rad"), "{error}");
+    assert!(error.found.contains("no cell of this column"), "{error}");
+
+    // a ratio of motors that stand still is no number either
+    let options = ReadOptions {
+        columns: vec!["u_norm=(u_rad-0.5)/(theta_rad-theta_rad*(p_rad_s-1))".parse().unwrap()],
+        ..ReadOptions::default()
+    };
+    let ratio: Vec<String> = (0..200)
+        .map(|k| {
+            format!(
+                "{:.2},0.1,{},0.5,12,{}",
+                0.02 * f64::from(k),
+                0.01 * f64::from(k),
+                if k < 30 { 2 } else { 0 }
+            )
+        })
+        .collect();
+    let recording = parse("ratio.csv", text(&ratio).as_bytes(), &options).unwrap();
+    assert_eq!((recording.len(), recording.u[0]), (170, -0.4));
 }

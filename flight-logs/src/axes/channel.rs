@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Axis;
-use crate::{Log, Topic};
+use crate::{Log, Topic, rate_hz};
 
 /// A field times a factor.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +32,13 @@ pub enum Formula {
         quaternion: [String; 4],
         /// Which of the three angles.
         axis: Axis,
+    },
+    /// What the caller worked out of other channels; the topic is left empty.
+    Worked {
+        /// How, for people.
+        text: String,
+        /// The result.
+        series: Series,
     },
 }
 
@@ -70,6 +77,19 @@ impl Channel {
             let field = name.strip_prefix(&topic.title())?.strip_prefix('.')?;
             Self::sum(topic, &[(field.to_owned(), factor)], unit, "as asked")
         })
+    }
+
+    /// What the caller worked out of other channels, as `text` says.
+    #[must_use]
+    pub fn worked(text: String, series: Series, unit: &'static str) -> Self {
+        Self {
+            topic: String::new(),
+            instance: 0,
+            rate_hz: rate_hz(&series.time_s),
+            formula: Formula::Worked { text, series },
+            unit,
+            reason: "as asked".to_owned(),
+        }
     }
 
     /// The sum of fields of a topic, if they are all there.
@@ -117,6 +137,9 @@ impl Channel {
     }
 
     fn values(&self, log: &Log) -> Option<Series> {
+        if let Formula::Worked { series, .. } = &self.formula {
+            return Some(series.clone());
+        }
         let topic = log.topic(&self.topic, self.instance)?;
         let field = |name: &str| topic.field(name).map(|field| field.values.as_slice());
         let values: Vec<f64> = match &self.formula {
@@ -134,6 +157,7 @@ impl Channel {
                 let rows = w.iter().zip(x).zip(y).zip(z);
                 rows.map(|(((&w, &x), &y), &z)| angle(*axis, [w, x, y, z])).collect()
             }
+            Formula::Worked { .. } => return None,
         };
         let rows = topic.time_s.iter().zip(values).filter(|(_, value)| value.is_finite());
         let (time_s, values) = rows.map(|(&time_s, value)| (time_s, value)).unzip();
@@ -171,6 +195,7 @@ impl fmt::Display for Channel {
                 Ok(())
             }
             Formula::Euler { quaternion, axis } => write!(f, "{axis} of {title}.{}..3", quaternion[0]),
+            Formula::Worked { text, .. } => f.write_str(text),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What can be asked for. Each subcommand reads its arguments, calls the libraries and shows what they answer.
 
+mod compare;
 mod demo;
 mod diagnose;
 mod fly;
@@ -30,6 +31,7 @@ Examples:
   pitchid show flight.ulg                             what a log holds, and whether it can serve
   pitchid diagnose flight.csv --model sim.toml --report flight.html
   pitchid identify test1.csv test2.csv --out-model fitted.toml
+  pitchid compare before.csv after.csv                what changed on the craft
   pitchid reproduce paper --seeds 20
   pitchid simulate --effect coulomb_friction:Mc=0.1 --out friction.csv
   pitchid prove                                       conceal, seal, diagnose, count: how often it is right
@@ -41,6 +43,7 @@ Exit status:
 
 #[derive(Subcommand)]
 enum Command {
+    Compare(compare::Arguments),
     Demo(demo::Arguments),
     Diagnose(diagnose::Arguments),
     Fly(fly::Arguments),
@@ -58,6 +61,7 @@ enum Command {
 /// Input that cannot be used, with a message for people.
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Fly(arguments) => fly::run(&arguments),

@@ -20,8 +20,10 @@ pub struct Reading {
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
 
-    /// A column of another name, with a factor where the unit differs: q_rad_s=gyro_y, 'q_rad_s=gy*0.0174533'; of a flight
-    /// log, topic.field, or input, rate, angle for what `pitchid show` proposes: 'u_norm=input*-1'
+    /// A column of another name, or arithmetic over columns with + - * / ( ) and pi: q_rad_s=gyro_y,
+    /// 'q_rad_s=-gyro_y*pi/180', 'u_norm=0.25*(m1+m2-m3-m4)'; names with other signs than letters, digits, _ . [ ] stand
+    /// between `backticks` or "quotes". Of a flight log, topic.field, or input, rate, angle for what `pitchid show`
+    /// proposes: 'u_norm=-input'
     #[arg(long = "column", value_name = "NAME=EXPR", help_heading = "Reading")]
     columns: Vec<ColumnMap>,
 
@@ -59,11 +61,9 @@ impl Reading {
     /// Reads all recordings, and makes recordings of flight logs.
     pub fn recordings(&self) -> Result<Vec<Recording>, Failure> {
         let options = ReadOptions {
-            input_hold: self.input,
-            columns: self.columns.clone(),
             splits: self.splits.clone(),
             sections: self.sections.clone(),
-            ..ReadOptions::default()
+            ..options_with(self.input, &self.columns)
         };
         let sources = open(&self.recordings, &self.columns)?;
         sources.into_iter().map(|source| self.recording(source, &options)).collect()
@@ -92,7 +92,7 @@ impl Reading {
 
     /// Reads the user's model, with its name.
     pub fn model(&self) -> Result<Option<(String, ModelFile)>, Failure> {
-        let read = |path: &PathBuf| Ok((path.display().to_string(), read_model(path)?));
+        let read = |path: &PathBuf| Ok((path.display().to_string(), model_at(path)?));
         self.model.as_ref().map(read).transpose()
     }
 
@@ -105,6 +105,16 @@ impl Reading {
     pub fn inputs(&self) -> Vec<&Path> {
         self.recordings.iter().chain(&self.model).map(PathBuf::as_path).collect()
     }
+}
+
+/// Reads a model file.
+pub fn model_at(path: &Path) -> Result<ModelFile, Failure> {
+    Ok(read_model(path)?)
+}
+
+/// How recordings are read with these columns.
+pub fn options_with(input_hold: InputHold, columns: &[ColumnMap]) -> ReadOptions {
+    ReadOptions { input_hold, columns: columns.to_vec(), ..ReadOptions::default() }
 }
 
 /// Reads one recording that needs no options.

@@ -133,8 +133,14 @@ fn mean_around(series: &Series, t: f64, step: f64, period: f64) -> Option<f64> {
     (rows.len() as f64 >= 0.5 * step / period).then(|| rows.iter().sum::<f64>() / rows.len() as f64)
 }
 
+/// The last value at `t` or before, where the series is not silent there.
+pub fn last_before(series: &Series, t: f64) -> Option<f64> {
+    let last = series.time_s.partition_point(|&stamp| stamp <= t).checked_sub(1)?;
+    (t - series.time_s[last] <= GAP * median_near(&series.time_s, last)).then(|| series.values[last])
+}
+
 /// The value at `t` on the straight line between its neighbours.
-fn between(series: &Series, t: f64) -> Option<f64> {
+pub fn between(series: &Series, t: f64) -> Option<f64> {
     let next = series.time_s.partition_point(|&stamp| stamp < t);
     let after = *series.time_s.get(next)?;
     if after == t {

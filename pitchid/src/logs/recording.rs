@@ -1,16 +1,15 @@
 //! A flight of a log as a recording of one axis.
 
 use super::Flight;
-use super::align::align;
+use super::align::{align, between, last_before};
 use crate::failure::Failure;
 use flight_logs::Log;
 use flight_logs::axes::{Axis, Channel, Proposal, Series, Setting, assess, channels};
-use sysid::recording::{ColumnMap, Note, NoteKind, ReadOptions, Recording, from_signals};
+use sysid::error::nearest;
+use sysid::recording::{ColumnMap, Expression, Note, NoteKind, ReadOptions, Recording, from_signals};
 
 /// Names of the proposed channels in `--column`, and the columns that they make.
 const OWN: [(&str, &str); 3] = [("input", "u_norm"), ("rate", "q_rad_s"), ("angle", "theta_rad")];
-/// Fields that a message lists.
-const MOST_LISTED: usize = 12;
 
 /// The channels that were chosen, and what a recording calls them.
 pub struct Choice {
@@ -31,7 +30,7 @@ struct Pick {
 pub fn choose_channels(log: &Log, axis: Axis, maps: &[ColumnMap]) -> Result<Choice, Failure> {
     let mut channels = channels(log, axis);
     let mut picks = OWN.map(|(source, target)| Pick {
-        map: ColumnMap { target: target.into(), source: source.into(), factor: 1.0 },
+        map: ColumnMap { target: target.into(), source: Expression::column(source), factor: 1.0 },
         factor: 1.0,
         by_hand: false,
     });
@@ -50,12 +49,19 @@ pub fn choose_channels(log: &Log, axis: Axis, maps: &[ColumnMap]) -> Result<Choi
             }
         };
         let factor = to_si * map.factor;
-        let own = OWN.iter().position(|(name, _)| *name == map.source);
-        let (channel, more) = match own {
-            Some(own) => (proposed[own].clone(), factor),
-            None => (Channel::named(log, &map.source, factor, unit), 1.0),
+        let of = |name: &str| named(log, &proposed, name).ok_or_else(|| unknown(log, &option, name));
+        let (channel, more) = match map.source.as_column() {
+            Some(name) if OWN.iter().any(|(own, _)| *own == name) => (of(name)?, factor),
+            Some(name) => {
+                (Channel::named(log, name, factor, unit).ok_or_else(|| unknown(log, &option, name))?, 1.0)
+            }
+            None => {
+                let parts = map.source.names().iter().map(|name| Ok(of(name)?.series(log)));
+                let parts = parts.collect::<Result<Vec<Series>, Failure>>()?;
+                let series = worked(&map.source, &parts, slot == 0);
+                (Channel::worked(map.source.to_string(), series, unit), factor)
+            }
         };
-        let Some(channel) = channel else { return Err(unknown(log, &option, &map.source)) };
         let place = [&mut channels.input, &mut channels.rate, &mut channels.angle];
         for (k, place) in place.into_iter().enumerate() {
             if k == slot {
@@ -68,23 +74,38 @@ pub fn choose_channels(log: &Log, axis: Axis, maps: &[ColumnMap]) -> Result<Choi
     Ok(Choice { proposal: assess(log, axis, channels), picks })
 }
 
-fn unknown(log: &Log, option: &str, source: &str) -> Failure {
-    let of = log.topics.iter().filter(|topic| source.starts_with(&topic.title()));
-    let topic = of.max_by_key(|topic| topic.title().len());
-    let (mut listed, all): (Vec<String>, usize) = match topic {
-        Some(topic) => (
-            topic.fields.iter().map(|field| format!("{}.{}", topic.title(), field.name)).collect(),
-            topic.fields.len(),
-        ),
-        None => (log.topics.iter().map(flight_logs::Topic::title).collect(), log.topics.len()),
-    };
-    listed.truncate(MOST_LISTED);
-    if all > MOST_LISTED {
-        listed.push(format!("and {} more", all - MOST_LISTED));
+/// A channel by the name that a user gives it.
+fn named(log: &Log, proposed: &[Option<Channel>; 3], name: &str) -> Option<Channel> {
+    match OWN.iter().position(|(own, _)| *own == name) {
+        Some(own) => proposed[own].clone(),
+        None => Channel::named(log, name, 1.0, ""),
     }
+}
+
+/// `expression` over channels of several clocks, on that with the most rows: of the others the last row where they are
+/// `held`, else what lies between two rows.
+fn worked(expression: &Expression, parts: &[Series], held: bool) -> Series {
+    let Some(clock) = parts.iter().max_by_key(|part| part.time_s.len()) else { return Series::default() };
+    let at = |part: &Series, t: f64| {
+        if held { last_before(part, t) } else { between(part, t) }
+    };
+    let rows = clock.time_s.iter().filter_map(|&t| {
+        let values = parts.iter().map(|part| at(part, t)).collect::<Option<Vec<f64>>>()?;
+        Some((t, expression.value(&values))).filter(|(_, value)| value.is_finite())
+    });
+    let (time_s, values) = rows.unzip();
+    Series { time_s, values }
+}
+
+fn unknown(log: &Log, option: &str, source: &str) -> Failure {
+    let fields = log
+        .topics
+        .iter()
+        .flat_map(|topic| topic.fields.iter().map(|field| format!("{}.{}", topic.title(), field.name)));
+    let fields: Vec<String> = OWN.map(|(own, _)| own.to_owned()).into_iter().chain(fields).collect();
+    let names = nearest(fields.iter().map(String::as_str), source);
     let help = format!(
-        "name a field as topic.field, or what is proposed as input, rate or angle; there are {}",
-        listed.join(", ")
+        "name a field as topic.field, or what is proposed as input, rate or angle; there are {names}"
     );
     Failure::new(format!("{option}: the log has no channel {source}"), help)
 }
@@ -160,4 +181,32 @@ fn refusal(flight: &Flight, proposal: &Proposal) -> Failure {
 fn settings(settings: &[Setting]) -> String {
     let words = settings.iter().map(|s| format!("{} = {} ({})", s.parameter, s.value, s.effect));
     words.collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_of_two_clocks_are_worked_out_on_the_faster() {
+        let series = |count: u32, step: f64| {
+            let time_s: Vec<f64> = (0..count).map(|k| step * f64::from(k)).collect();
+            Series { values: time_s.clone(), time_s }
+        };
+        let mut slow = series(21, 0.1);
+        slow.time_s.drain(10..15);
+        slow.values.drain(10..15);
+        let parts = [slow, series(200, 0.01)];
+        let expression: Expression = "a-b".parse().unwrap();
+        let (line, held) = (worked(&expression, &parts, false), worked(&expression, &parts, true));
+        assert!(line.values.iter().all(|value| value.abs() < 1e-12), "{:?}", line.values);
+        assert!(held.values.iter().all(|value| (-0.36..1e-9).contains(value)), "{:?}", held.values);
+        assert!(
+            !line.time_s.iter().any(|t| (0.95..1.45).contains(t)),
+            "nothing is made up where one is silent"
+        );
+        assert_eq!(held.time_s[0], 0.0);
+        let divided: Expression = "b/(a-a)".parse().unwrap();
+        assert!(worked(&divided, &parts, true).values.is_empty(), "rows without a finite value are left out");
+    }
 }

@@ -205,6 +205,22 @@ impl Information {
         all
     }
 
+    /// Standard deviation of a function of the unknowns with this `gradient`: the larger of that of the information and of
+    /// the blocks, unknowns that do not move held; infinite where it depends on none that moves.
+    pub fn deviation_along(&self, values: &[f64], gradient: &[f64]) -> f64 {
+        let own = |(a, &i): (usize, &usize)| (a, gradient[i] * self.coordinates[i].stretch(values[i]));
+        let own: Vec<(usize, f64)> =
+            self.free.iter().enumerate().map(own).filter(|(_, g)| *g != 0.0).collect();
+        if own.is_empty() {
+            return f64::INFINITY;
+        }
+        let along = |matrix: &DMatrix<f64>| {
+            let pairs = own.iter().flat_map(|(a, g)| own.iter().map(move |(b, h)| g * h * matrix[(*a, *b)]));
+            pairs.sum::<f64>()
+        };
+        along(&self.covariance).max(along(&self.by_blocks)).max(0.0).sqrt()
+    }
+
     /// Whether one of the unknowns `own` that may have either sign has a 95 % interval that holds zero: then it is no term.
     pub fn holds_zero(&self, mut own: impl Iterator<Item = usize>, values: &[f64]) -> bool {
         let deviations = self.deviations(values);

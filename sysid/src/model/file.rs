@@ -121,8 +121,10 @@ pub fn parse(name: &str, text: &str, effects: &[KnownEffect]) -> Result<ModelFil
 
 fn parse_unnamed(source: &Source, table: &[KnownEffect]) -> Result<ModelFile, Error> {
     let raw: Raw = toml::from_str(source.text).map_err(|error| source.syntax(&error))?;
-    check_plant(raw.plant.get_ref()).map_err(|(key, error)| {
-        error.in_column(key).at_line(source.line_of_key(raw.plant.span().start, key))
+    check_plant(raw.plant.get_ref()).map_err(|error| {
+        let key = error.column.as_deref().unwrap_or_default();
+        let line = source.line_of_key(raw.plant.span().start, key);
+        error.at_line(line)
     })?;
     let effects = raw
         .effect
@@ -184,7 +186,8 @@ impl Source<'_> {
 /// Key, value, whether a value is legal, what is legal in words.
 type PlantCheck = (&'static str, Option<f64>, fn(f64) -> bool, &'static str);
 
-fn check_plant(plant: &PlantSection) -> Result<(), (&'static str, Error)> {
+/// The error names the key.
+fn check_plant(plant: &PlantSection) -> Result<(), Error> {
     let checks: [PlantCheck; 7] = [
         ("inertia_kg_m2", Some(plant.inertia_kg_m2), positive, "a number above 0, in kg m²"),
         ("delay_s", plant.delay_s, |v| (0.0..=10.0).contains(&v), "a number from 0 to 10, in s"),
@@ -197,7 +200,7 @@ fn check_plant(plant: &PlantSection) -> Result<(), (&'static str, Error)> {
     for (key, value, legal, expected) in checks {
         if let Some(value) = value.filter(|&v| !legal(v)) {
             let error = Error::new(ErrorKind::Model, format!("found {value}"), "correct the value");
-            return Err((key, error.expecting(expected)));
+            return Err(error.expecting(expected).in_column(key));
         }
     }
     let mount = &checks[4..];
@@ -208,7 +211,8 @@ fn check_plant(plant: &PlantSection) -> Result<(), (&'static str, Error)> {
     }
     let advice = "add what is missing, or delete these lines for an IMU that is rigidly fixed";
     let error = Error::new(ErrorKind::Model, format!("a mount with only {}", given.join(", ")), advice);
-    Err((key, error.expecting("mount_k_N_m, mount_c_N_m_s and mount_J_kg_m2, all three or none")))
+    let error = error.expecting("mount_k_N_m, mount_c_N_m_s and mount_J_kg_m2, all three or none");
+    Err(error.in_column(key))
 }
 
 fn positive(value: f64) -> bool {
@@ -244,7 +248,7 @@ impl ModelFile {
     /// # Errors
     /// A value that is not finite, which TOML could write but [`parse`] would refuse.
     pub fn to_toml(&self) -> Result<String, Error> {
-        check_plant(&self.plant).map_err(|(key, error)| error.in_column(key))?;
+        check_plant(&self.plant)?;
         let values = self.effects.iter().flat_map(|effect| &effect.parameters);
         if let Some((key, value)) = values.into_iter().find(|(_, value)| !value.is_finite()) {
             let error = Error::new(

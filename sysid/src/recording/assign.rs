@@ -1,26 +1,32 @@
 //! Which column of a file plays which role.
 
 use super::columns::{KNOWN_COLUMNS, Role};
+use super::expression::Expression;
 use super::options::ColumnMap;
 use super::{Note, NoteKind};
-use crate::error::{Error, ErrorKind, quote};
+use crate::error::{Error, ErrorKind, nearest, quote};
 
-/// One column of the file that is read.
+/// A signal and the columns of the file that make it.
 #[derive(Clone, Debug)]
 pub(super) struct Source {
     pub(super) role: Role,
-    /// Place in the row, from 0.
-    pub(super) index: usize,
-    /// Name in the file's header.
+    pub(super) expression: Expression,
+    /// Places in the row, from 0, of the names in the expression.
+    pub(super) places: Vec<usize>,
+    /// Name in the file's header, or the expression, for messages.
     pub(super) name: String,
     /// From the file's unit to SI.
     pub(super) factor: f64,
 }
 
 impl Source {
+    pub(super) fn new(role: Role, expression: Expression, places: Vec<usize>, factor: f64) -> Self {
+        Self { role, name: expression.label(), expression, places, factor }
+    }
+
     /// As an option of the reader has it.
     pub(super) fn as_map(&self) -> ColumnMap {
-        ColumnMap { target: self.role.column().into(), source: self.name.clone(), factor: self.factor }
+        ColumnMap { target: self.role.column().into(), source: self.expression.clone(), factor: self.factor }
     }
 
     /// The option that multiplies this column by `factor` on top of what is done already.
@@ -43,7 +49,10 @@ pub(super) fn assign(
             return Err(Error::new(ErrorKind::Options, found, "keep one of the two"));
         }
         let (role, name, factor) = (source.role.column(), &source.name, source.factor);
-        let text = format!("{role} is the file's column {} times {factor}, as asked", quote(name));
+        let text = match source.expression.as_column() {
+            Some(name) => format!("{role} is the file's column {} times {factor}, as asked", quote(name)),
+            None => format!("{role} is {name} of the file's columns, times {factor}, as asked"),
+        };
         notes.push(Note::new(NoteKind::Converted, text));
         sources.push(source);
     }
@@ -53,7 +62,7 @@ pub(super) fn assign(
         if sources[..from_maps].iter().any(|s| s.role.same_slot(role)) {
             continue;
         }
-        add_own_column(&mut sources, Source { role, index, name: name.clone(), factor })?;
+        add_own_column(&mut sources, Source::new(role, Expression::column(name), vec![index], factor))?;
     }
     require(&sources, header)?;
     note_conversions(&sources[from_maps..], notes);
@@ -68,18 +77,21 @@ fn mapped(header: &[String], map: &ColumnMap) -> Result<Source, Error> {
         let advice = format!("use one of {}", KNOWN_COLUMNS.join(", "));
         return Err(Error::new(ErrorKind::Options, found, advice));
     };
-    let mut places = header.iter().enumerate().filter(|(_, name)| **name == map.source);
-    match (places.next(), places.next()) {
-        (Some((index, name)), None) => {
-            Ok(Source { role, index, name: name.clone(), factor: unit * map.factor })
+    let place = |name: &String| {
+        let mut places = header.iter().enumerate().filter(|(_, known)| *known == name);
+        match (places.next(), places.next()) {
+            (Some((index, _)), None) => Ok(index),
+            (Some(_), Some(_)) => Err(double_column(name)),
+            (None, _) => {
+                let found = format!("{option}: the file has no column {}", quote(name));
+                let advice = "name a column of the file, in the same upper and lower case";
+                let names = nearest(header.iter().map(String::as_str), name);
+                Err(Error::new(ErrorKind::Options, found, advice).expecting(format!("one of {names}")))
+            }
         }
-        (Some(_), Some(_)) => Err(double_column(&map.source)),
-        (None, _) => {
-            let found = format!("{option}: the file has no column {}", quote(&map.source));
-            let advice = "name a column of the file, in the same upper and lower case";
-            Err(Error::new(ErrorKind::Options, found, advice).expecting(format!("one of {}", listed(header))))
-        }
-    }
+    };
+    let places = map.source.names().iter().map(place).collect::<Result<Vec<usize>, Error>>()?;
+    Ok(Source::new(role, map.source.clone(), places, unit * map.factor))
 }
 
 fn double_column(name: &str) -> Error {
@@ -171,7 +183,7 @@ fn note_ignored(header: &[String], sources: &[Source], notes: &mut Vec<Note>) {
     let ignored: Vec<String> = header
         .iter()
         .enumerate()
-        .filter(|(index, name)| !name.is_empty() && sources.iter().all(|s| s.index != *index))
+        .filter(|(index, name)| !name.is_empty() && sources.iter().all(|s| !s.places.contains(index)))
         .map(|(_, name)| name.clone())
         .collect();
     if !ignored.is_empty() {

@@ -77,16 +77,18 @@ pub(super) fn onto_grid(
 
 /// Drops rows that repeat the one before in time and all values; refuses other stamps that do not grow.
 fn drop_duplicates(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), Error> {
-    let mut dropped: Vec<usize> = Vec::new();
+    let (mut dropped, mut wrong): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
     for row in 1..table.t.len() {
         let (before, now) = (table.t[row - 1], table.t[row]);
-        if now > before {
-            continue;
+        if now < before || now == before && !same_values(table, row) {
+            wrong.push(row);
+        } else if now == before {
+            dropped.push(row);
         }
-        if now < before || !same_values(table, row) {
-            return Err(bad_order(table, row));
-        }
-        dropped.push(row);
+    }
+    let told = wrong.iter().take(Error::MOST_TOLD).map(|&row| bad_order(table, row)).collect();
+    if let Some(error) = Error::of_several(told, wrong.len()) {
+        return Err(error);
     }
     let (Some(&first), Some(&last)) = (dropped.first(), dropped.last()) else { return Ok(()) };
     let text = format!(
@@ -96,24 +98,8 @@ fn drop_duplicates(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), Error
         table.t[first]
     );
     notes.push(Note::over(NoteKind::Duplicate, table.t[first], table.t[last], text));
-    remove_rows(&mut table.t, &dropped);
-    remove_rows(&mut table.lines, &dropped);
-    remove_rows(&mut table.labels, &dropped);
-    remove_rows(&mut table.supervised, &dropped);
-    for signal in &mut table.signals {
-        remove_rows(&mut signal.values, &dropped);
-    }
+    table.remove(&dropped);
     Ok(())
-}
-
-/// Removes the rows with these ascending indices; a column that is not there stays empty.
-fn remove_rows<T>(values: &mut Vec<T>, dropped: &[usize]) {
-    let (mut row, mut next) = (0, dropped.iter().peekable());
-    values.retain(|_| {
-        let drop = next.next_if(|&&index| index == row).is_some();
-        row += 1;
-        !drop
-    });
 }
 
 fn same_values(table: &Table, row: usize) -> bool {
@@ -136,7 +122,7 @@ fn bad_order(table: &Table, row: usize) -> Error {
         )
     };
     let error = Error::new(ErrorKind::Clock, found, advice)
-        .in_column(table.time_column.as_str())
+        .in_column(table.time.name.as_str())
         .expecting("time stamps that grow from row to row");
     Error { line: table.lines.get(row).map(|&line| line as usize), ..error }
 }
@@ -151,19 +137,17 @@ fn check_step(table: &Table, step: f64) -> Result<(), Error> {
     if STEPS.contains(&step) {
         return Ok(());
     }
-    let column = &table.time_column;
-    let scaled = |unit: &str, factor: &str| {
-        format!("this looks like {unit}: read it with --column 't_s={column}*{factor}'")
-    };
+    let scaled =
+        |unit: &str, factor| format!("this looks like {unit}: read it with {}", table.time.scaled_by(factor));
     let advice = match step {
         s if s < STEPS.start => "check the unit of the time stamps: they must be seconds".to_owned(),
-        s if s < 500.0 => scaled("milliseconds", "0.001"),
-        s if s < 5e5 => scaled("microseconds", "0.000001"),
-        _ => scaled("nanoseconds", "0.000000001"),
+        s if s < 500.0 => scaled("milliseconds", 1e-3),
+        s if s < 5e5 => scaled("microseconds", 1e-6),
+        _ => scaled("nanoseconds", 1e-9),
     };
     let error =
         Error::new(ErrorKind::Clock, format!("a step of {step:.6} s between samples (median)"), advice)
-            .in_column(column.as_str())
+            .in_column(table.time.name.as_str())
             .expecting(format!("a step between {:e} and {} s", STEPS.start, STEPS.end));
     Err(Error { line: table.lines.get(1).map(|&line| line as usize), ..error })
 }

@@ -10,6 +10,8 @@ mod assign;
 mod checks;
 mod clock;
 mod columns;
+mod expression;
+mod missing;
 mod options;
 pub(crate) mod rate_and_angle;
 mod sections;
@@ -22,6 +24,7 @@ use std::ops::Range;
 use std::path::Path;
 
 pub use columns::{InputUnit, KNOWN_COLUMNS};
+pub use expression::Expression;
 pub use options::{ColumnMap, InputHold, ReadOptions, SectionSpec};
 
 use crate::error::{Error, ErrorKind};
@@ -104,6 +107,8 @@ pub enum NoteKind {
     Filled,
     /// Samples are missing; the recording is split there.
     Gap,
+    /// Cells without a number: their rows were left out, or bridged where they are not needed.
+    Missing,
     /// Rows that stood twice were dropped.
     Duplicate,
     /// Samples far from all around were left out.
@@ -149,26 +154,41 @@ impl Note {
 /// As [`parse`], and where the file cannot be read.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Error> {
     let name = path.display().to_string();
+    parse(&name, &bytes_of(path, &name)?, options)
+}
+
+/// The names of a CSV file's columns, in order.
+///
+/// # Errors
+/// A file that cannot be read, or has no header line.
+pub fn header(path: &Path) -> Result<Vec<String>, Error> {
+    let name = path.display().to_string();
+    let bytes = bytes_of(path, &name)?;
+    table::header(&bytes).map_err(|error| error.in_file(name))
+}
+
+fn bytes_of(path: &Path, name: &str) -> Result<Vec<u8>, Error> {
     if path.is_dir() {
-        return Err(Error::from_io(&name, &std::io::ErrorKind::IsADirectory.into()));
+        return Err(Error::from_io(name, &std::io::ErrorKind::IsADirectory.into()));
     }
-    let bytes = std::fs::read(path).map_err(|error| Error::from_io(&name, &error))?;
-    parse(&name, &bytes, options)
+    std::fs::read(path).map_err(|error| Error::from_io(name, &error))
 }
 
 /// Reads a recording from the bytes of a CSV file; `name` stands for the file in messages.
 ///
 /// # Errors
-/// Whatever makes the data unusable: no UTF-8 CSV, a column missing, double or contradictory, a cell that is no
-/// finite number, time stamps that stand still, run backwards or have an impossible step, too few samples, options
-/// that fit nothing in the file. The error names file, line, column, what was found and what to do.
+/// Whatever makes the data unusable: no UTF-8 CSV, a column missing, double or contradictory, text or an infinity where
+/// a number belongs (cells that are empty or NaN are gaps), time stamps that stand still, run backwards or have an impossible step, too few samples, options
+/// that fit nothing in the file. The error names file, line, column, what was found and what to do, and
+/// what else is wrong with cells and time stamps of the same file.
 pub fn parse(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recording, Error> {
     parse_unnamed(name, text, options).map_err(|error| error.in_file(name))
 }
 
 fn parse_unnamed(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recording, Error> {
     let mut notes = Vec::new();
-    let table = table::read(text, options, &mut notes)?;
+    let mut table = table::read(text, options, &mut notes)?;
+    missing::leave_out(&mut table, &mut notes)?;
     on_grid(name, table, options, notes)
 }
 

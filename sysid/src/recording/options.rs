@@ -3,7 +3,8 @@
 use std::str::FromStr;
 
 use super::columns::{KNOWN_COLUMNS, Role};
-use crate::error::{Error, ErrorKind, quote};
+use super::expression::Expression;
+use crate::error::{Error, ErrorKind, nearest, quote};
 
 /// How the input behaves between two samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,13 +33,13 @@ impl FromStr for InputHold {
     }
 }
 
-/// One `--column TARGET=SOURCE[*FACTOR]`: the file's column `source` times `factor` is the project's `target`.
+/// One `--column TARGET=EXPRESSION`: `source`, worked out of the file's columns, times `factor` is the project's `target`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnMap {
     /// A column of the format, e.g. `q_rad_s`.
     pub target: String,
-    /// The name in the file's header.
-    pub source: String,
+    /// A column of the file, or arithmetic over several.
+    pub source: Expression,
     /// Finite, not zero, at most 1e12 in magnitude.
     pub factor: f64,
 }
@@ -49,44 +50,47 @@ impl ColumnMap {
     pub fn option_to_scale(&self, factor: f64) -> String {
         let scale = self.factor * factor;
         let scale = format!("{scale:.6e}").parse::<f64>().unwrap_or(scale);
-        format!("--column '{}={}*{scale}'", self.target, self.source)
+        format!("--column '{}={}'", self.target, self.source.scaled(scale))
     }
 }
 
 impl FromStr for ColumnMap {
     type Err = Error;
 
-    /// Parses `q_rad_s=gy` or `q_rad_s=gy*0.0174533`.
+    /// Parses `q_rad_s=gy`, `q_rad_s=-gy*pi/180`, `u_norm=0.25*(m1+m2-m3-m4)`.
     fn from_str(text: &str) -> Result<Self, Error> {
         let refuse = |what: String| {
             Error::new(
                 ErrorKind::Options,
                 format!("--column {}: {what}", quote(text)),
-                "write --column q_rad_s=gyro_y, or --column 'q_rad_s=gyro_y*0.0174533' where the unit differs",
+                "write --column q_rad_s=gyro_y, --column 'q_rad_s=-gyro_y*pi/180' where unit or sign differs, or \
+                 --column 'u_norm=0.25*(m1+m2-m3-m4)'",
             )
         };
         let (target, rest) = text.split_once('=').ok_or_else(|| refuse("no = in it".into()))?;
-        let (source, factor) = match rest.rsplit_once('*') {
-            None => (rest, 1.0),
-            Some((source, factor)) => {
-                let number = factor.trim().parse::<f64>();
-                let number =
-                    number.map_err(|_| refuse(format!("the factor {} is no number", quote(factor))))?;
-                (source, number)
-            }
-        };
-        let (target, source) = (target.trim(), source.trim());
-        if source.is_empty() {
+        let target = target.trim();
+        if Role::of(target).is_none() {
+            return Err(refuse(format!("{} is not a column of the format", quote(target)))
+                .expecting(format!("one of {}", nearest(KNOWN_COLUMNS, target))));
+        }
+        let read = rest.parse::<Expression>();
+        let read = read.map_err(|error| Error {
+            found: format!("--column {target}={}: {}", rest.trim(), error.found).into(),
+            ..error
+        })?;
+        let (factor, source) = read.without_factor();
+        if source.names().is_empty() {
             return Err(refuse("no column of the file is named".into()));
         }
         if !(1e-12..=1e12).contains(&factor.abs()) {
             return Err(refuse(format!("the factor {factor} is zero or out of range")));
         }
-        if Role::of(target).is_none() {
-            return Err(refuse(format!("{} is not a column of the format", quote(target)))
-                .expecting(format!("one of {}", KNOWN_COLUMNS.join(", "))));
+        if matches!(Role::of(target), Some((Role::Section | Role::Supervised, _)))
+            && (source.as_column().is_none() || factor != 1.0)
+        {
+            return Err(refuse(format!("{target} is a label: name one column, without arithmetic")));
         }
-        Ok(Self { target: target.into(), source: source.into(), factor })
+        Ok(Self { target: target.into(), source, factor })
     }
 }
 
@@ -166,17 +170,34 @@ mod tests {
     #[test]
     fn maps_with_and_without_factor() {
         let map: ColumnMap = "q_rad_s=gy*0.5".parse().unwrap();
-        assert_eq!((map.target.as_str(), map.source.as_str(), map.factor), ("q_rad_s", "gy", 0.5));
+        assert_eq!((map.target.as_str(), map.source.as_column(), map.factor), ("q_rad_s", Some("gy"), 0.5));
         assert_eq!("u_V = volts".parse::<ColumnMap>().unwrap().factor, 1.0);
+        let map: ColumnMap = "u_norm=0.25*(m1-`m 2`)".parse().unwrap();
+        assert_eq!((map.source.names(), map.factor), (&["m1".to_owned(), "m 2".to_owned()][..], 0.25));
+        assert_eq!(map.option_to_scale(-1.0), "--column 'u_norm=(m1-`m 2`)*-0.25'");
+        let again = map.option_to_scale(1.0);
+        let again = again.strip_prefix("--column '").and_then(|rest| rest.strip_suffix('\'')).unwrap();
+        assert_eq!(again.parse::<ColumnMap>().unwrap(), map);
     }
 
     #[test]
     fn bad_maps_are_refused_with_the_way_to_write_them() {
-        for text in ["", "q_rad_s", "q_rad_s=", "q_rad_s=gy*x", "q_rad_s=gy*0", "q_rad_s=gy*NaN", "speed=gy"]
-        {
+        for (text, says) in [
+            ("", "no = in it"),
+            ("q_rad_s", "no = in it"),
+            ("q_rad_s=", "at character 1: it ends too early"),
+            ("q_rad_s=gy*", "at character 4: it ends too early"),
+            ("q_rad_s=gy gz", "at character 4: found \"g\""),
+            ("q_rad_s=gy*0", "out of range"),
+            ("q_rad_s=gy/0", "out of range"),
+            ("q_rad_s=3*pi", "no column of the file is named"),
+            ("section=a+b", "name one column"),
+            ("speed=gy", "one of "),
+            ("q_rads=gy", "one of q_rad_s,"),
+        ] {
             let error = text.parse::<ColumnMap>().unwrap_err();
             assert_eq!(error.kind, ErrorKind::Options);
-            assert!(error.advice.contains("--column"), "{error}");
+            assert!(error.to_string().contains(says) && error.to_string().contains("--column"), "{error}");
         }
     }
 

@@ -75,20 +75,25 @@ pub(super) fn separator(header: &str) -> Result<(), Error> {
     Err(Error::new(ErrorKind::Format, format!("columns separated by {name}"), advice).expecting("commas"))
 }
 
+/// Whether a cell says that nothing was measured: empty, or one of the words that loggers write for it.
+pub(super) fn is_missing(cell: &str) -> bool {
+    const WORDS: [&str; 8] = ["nan", "na", "n/a", "null", "none", "nil", "-", "#n/a"];
+    let bare = cell.trim_start_matches(['+', '-']);
+    cell.is_empty()
+        || WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word))
+        || bare.get(..3).is_some_and(|start| start.eq_ignore_ascii_case("nan"))
+            && (bare.len() == 3 || bare[3..].starts_with('('))
+}
+
 /// What to do about a cell that is not a number.
 pub(super) fn number_advice(cell: &str) -> &'static str {
-    let lower = cell.to_ascii_lowercase();
     let digits =
         |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
-    if cell.is_empty() {
-        "fill the cell, or delete the row: a missing row is treated as a gap, a missing number cannot be"
-    } else if lower.contains("nan") || matches!(lower.as_str(), "na" | "n/a" | "null" | "none" | "-") {
-        "delete the rows without a measurement: a missing row is treated as a gap"
-    } else if cell.split_once(',').is_some_and(|(whole, part)| digits(whole) && digits(part)) {
+    if cell.split_once(',').is_some_and(|(whole, part)| digits(whole) && digits(part)) {
         "write decimals with a point"
     } else if cell.contains(':') {
         "write time as seconds, e.g. 12.34, not as a clock"
     } else {
-        "correct the cell or delete the row; units belong in the header"
+        "correct the cell, empty it (then it is a gap), or delete the row; units belong in the header"
     }
 }

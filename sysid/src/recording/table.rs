@@ -6,6 +6,7 @@ use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 use super::assign::{Source, assign};
 use super::columns::{KNOWN_COLUMNS, Role};
+use super::expression::Expression;
 use super::options::{ColumnMap, ReadOptions};
 use super::{Note, sniff};
 use crate::error::{Error, ErrorKind, quote};
@@ -23,10 +24,10 @@ pub(super) struct Signal {
 }
 
 /// The rows of a file as they stand in it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Table {
     pub(super) t: Vec<f64>,
-    pub(super) time_column: String,
+    pub(super) time: Source,
     pub(super) signals: Vec<Signal>,
     /// Per row an index into `label_names`; empty without a `section` column.
     pub(super) labels: Vec<u32>,
@@ -37,20 +38,34 @@ pub(super) struct Table {
     pub(super) lines: Vec<u32>,
 }
 
+impl Default for Table {
+    fn default() -> Self {
+        Self {
+            t: Vec::new(),
+            time: Source::new(Role::Time, Expression::column(Role::Time.column()), vec![0], 1.0),
+            signals: Vec::new(),
+            labels: Vec::new(),
+            label_names: Vec::new(),
+            supervised: Vec::new(),
+            lines: Vec::new(),
+        }
+    }
+}
+
 impl Table {
     /// The table of signals that are not read from lines; rows are counted from 1 in errors.
     pub(super) fn of_signals(t: Vec<f64>, signals: Vec<(ColumnMap, Vec<f64>)>) -> Result<Self, Error> {
-        let mut table = Self { t, time_column: Role::Time.column().to_owned(), ..Self::default() };
-        check_finite(&table.t, LARGEST_TIME, &table.time_column, table.t.len())?;
+        let mut table = Self { t, ..Self::default() };
+        check_finite(&table.t, LARGEST_TIME, &table.time.name, table.t.len())?;
         for (index, (map, values)) in signals.into_iter().enumerate() {
             let Some((role, factor)) = Role::of(&map.target) else {
                 let found = format!("{} is not a column of the format", quote(&map.target));
                 let advice = format!("use one of {}", KNOWN_COLUMNS.join(", "));
                 return Err(Error::new(ErrorKind::Column, found, advice));
             };
-            check_finite(&values, LARGEST_VALUE, &map.source, table.t.len())?;
+            let source = Source::new(role, map.source, vec![index], factor * map.factor);
+            check_finite(&values, LARGEST_VALUE, &source.name, table.t.len())?;
             let values = values.into_iter().map(|value| factor * value).collect();
-            let source = Source { role, index, name: map.source, factor: factor * map.factor };
             if table.signals.iter().any(|s| s.source.role.same_slot(role)) {
                 let found = format!("two signals for {}", map.target);
                 return Err(Error::new(ErrorKind::Column, found, "give one"));
@@ -63,6 +78,27 @@ impl Table {
         }
         Ok(table)
     }
+}
+
+impl Table {
+    /// Removes the rows with these ascending indices.
+    pub(super) fn remove(&mut self, rows: &[usize]) {
+        remove_rows(&mut self.t, rows);
+        remove_rows(&mut self.lines, rows);
+        remove_rows(&mut self.labels, rows);
+        remove_rows(&mut self.supervised, rows);
+        self.signals.iter_mut().for_each(|signal| remove_rows(&mut signal.values, rows));
+    }
+}
+
+/// Removes the rows with these ascending indices; a column that is not there stays empty.
+fn remove_rows<T>(values: &mut Vec<T>, dropped: &[usize]) {
+    let (mut row, mut next) = (0, dropped.iter().peekable());
+    values.retain(|_| {
+        let drop = next.next_if(|&&index| index == row).is_some();
+        row += 1;
+        !drop
+    });
 }
 
 fn check_finite(values: &[f64], largest: f64, column: &str, rows: usize) -> Result<(), Error> {
@@ -134,38 +170,72 @@ fn content_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     numbered.filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty())
 }
 
+/// The names of the columns.
+pub(super) fn header(bytes: &[u8]) -> Result<Vec<String>, Error> {
+    let mut lines = content_lines(sniff::text(bytes)?);
+    Ok(header_of(lines.next(), &mut Splitter::new())?.1)
+}
+
+/// The header's line, and the names in it.
+fn header_of(first: Option<(usize, &str)>, splitter: &mut Splitter) -> Result<(usize, Vec<String>), Error> {
+    let Some((line, text)) = first else {
+        let advice = "check that the logger has written it";
+        return Err(Error::new(ErrorKind::Format, "only comments and blank lines", advice)
+            .expecting("a header line and one line per sample"));
+    };
+    let at_header = |error: Error| error.at_line(line);
+    sniff::separator(text).map_err(at_header)?;
+    splitter.split(text).map_err(at_header)?;
+    let names: Vec<String> = (0..splitter.fields).map(|i| splitter.field(i).to_owned()).collect();
+    if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+        let found = format!("a row of numbers where the header belongs: {}", quote(text));
+        let advice = "put a first line with the column names, e.g. t_s,u_rad,q_rad_s";
+        return Err(at_header(Error::new(ErrorKind::Column, found, advice)));
+    }
+    Ok((line, names))
+}
+
 /// Reads header and rows; errors carry line and column, the caller adds the file.
 pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -> Result<Table, Error> {
     let text = sniff::text(bytes)?;
     let mut lines = content_lines(text);
-    let Some((header_line, header_text)) = lines.next() else {
-        return Err(Error::new(
-            ErrorKind::Format,
-            "only comments and blank lines",
-            "check that the logger has written it",
-        )
-        .expecting("a header line and one line per sample"));
-    };
     let mut splitter = Splitter::new();
-    let at_header = |error: Error| error.at_line(header_line);
-    sniff::separator(header_text).map_err(at_header)?;
-    splitter.split(header_text).map_err(at_header)?;
-    let header: Vec<String> = (0..splitter.fields).map(|i| splitter.field(i).to_owned()).collect();
-    if header.iter().all(|name| name.parse::<f64>().is_ok()) {
-        let found = format!("a row of numbers where the header belongs: {}", quote(header_text));
-        let advice = "put a first line with the column names, e.g. t_s,u_rad,q_rad_s";
-        return Err(at_header(Error::new(ErrorKind::Column, found, advice)));
-    }
-    let sources = assign(&header, &options.columns, notes).map_err(at_header)?;
-    let mut filler = Filler::new(sources, text.len() / header_text.len().max(1));
+    let first = lines.next();
+    let (header_line, header) = header_of(first, &mut splitter)?;
+    let header_length = first.map_or(1, |(_, line)| line.len().max(1));
+    let sources = assign(&header, &options.columns, notes).map_err(|error| error.at_line(header_line))?;
+    let mut filler = Filler::new(header.clone(), sources, text.len() / header_length);
+    let mut wrong = Wrong::default();
     for (number, line) in lines {
-        splitter.split(line).map_err(|error| error.at_line(number))?;
-        if splitter.fields != header.len() {
-            return Err(wrong_width(splitter.fields, header.len()).at_line(number));
+        match splitter.split(line) {
+            Err(error) => wrong.add(error, number),
+            Ok(()) if splitter.fields != header.len() => {
+                wrong.add(wrong_width(splitter.fields, header.len()), number);
+            }
+            Ok(()) => filler.push(&splitter, number, &mut wrong),
         }
-        filler.push(&splitter, number).map_err(|error| error.at_line(number))?;
     }
-    Ok(filler.table)
+    match Error::of_several(wrong.errors, wrong.count) {
+        Some(error) => Err(error),
+        None => Ok(filler.table),
+    }
+}
+
+/// What is wrong with the rows.
+#[derive(Default)]
+struct Wrong {
+    /// The first of them.
+    errors: Vec<Error>,
+    count: usize,
+}
+
+impl Wrong {
+    fn add(&mut self, error: Error, line: usize) {
+        self.count += 1;
+        if self.errors.len() < Error::MOST_TOLD {
+            self.errors.push(error.at_line(line));
+        }
+    }
 }
 
 fn wrong_width(found: usize, expected: usize) -> Error {
@@ -180,41 +250,50 @@ fn wrong_width(found: usize, expected: usize) -> Error {
 
 /// Puts the cells of a row where they belong.
 struct Filler {
+    header: Vec<String>,
     table: Table,
-    time: Source,
     section: Option<Source>,
     supervised: Option<Source>,
     label_of: BTreeMap<String, u32>,
 }
 
 impl Filler {
-    fn new(sources: Vec<Source>, rows: usize) -> Self {
-        let mut time = Source { role: Role::Time, index: 0, name: "t_s".into(), factor: 1.0 };
+    fn new(header: Vec<String>, sources: Vec<Source>, rows: usize) -> Self {
         let (mut section, mut supervised) = (None, None);
         let mut table = Table::default();
         for source in sources {
             match source.role {
-                Role::Time => time = source,
+                Role::Time => table.time = source,
                 Role::Section => section = Some(source),
                 Role::Supervised => supervised = Some(source),
                 _ => table.signals.push(Signal { source, values: Vec::with_capacity(rows) }),
             }
         }
-        table.time_column.clone_from(&time.name);
-        Self { table, time, section, supervised, label_of: BTreeMap::new() }
+        Self { header, table, section, supervised, label_of: BTreeMap::new() }
     }
 
-    fn push(&mut self, row: &Splitter, line: usize) -> Result<(), Error> {
+    fn push(&mut self, row: &Splitter, line: usize, wrong: &mut Wrong) {
         let table = &mut self.table;
-        table.t.push(number(row, &self.time, LARGEST_TIME)?);
+        let mut take = |source: &Source, largest| match value(row, &self.header, source, largest) {
+            Ok(value) => value,
+            Err(error) => {
+                wrong.add(error, line);
+                f64::NAN
+            }
+        };
+        table.t.push(take(&table.time, LARGEST_TIME));
         for signal in &mut table.signals {
-            signal.values.push(number(row, &signal.source, LARGEST_VALUE)?);
+            signal.values.push(take(&signal.source, LARGEST_VALUE));
         }
         if let Some(source) = &self.supervised {
-            table.supervised.push(flag(row, source)?);
+            let before = table.supervised.last().copied().unwrap_or(false);
+            table.supervised.push(flag(row, source, before).unwrap_or_else(|error| {
+                wrong.add(error, line);
+                before
+            }));
         }
         if let Some(source) = &self.section {
-            let label = match row.field(source.index) {
+            let label = match cell(row, source) {
                 "" => "-",
                 label => label,
             };
@@ -231,41 +310,63 @@ impl Filler {
             table.labels.push(index);
         }
         table.lines.push(u32::try_from(line).unwrap_or(u32::MAX));
-        Ok(())
     }
 }
 
-fn number(row: &Splitter, source: &Source, largest: f64) -> Result<f64, Error> {
-    let cell = row.field(source.index);
-    let parsed = cell.parse::<f64>();
-    if let Ok(raw) = parsed {
-        let value = raw * source.factor;
-        if value.abs() <= largest {
-            return Ok(value);
-        }
+/// The cell of a source that is one column.
+fn cell<'r>(row: &'r Splitter, source: &Source) -> &'r str {
+    source.places.first().map_or("", |&place| row.field(place))
+}
+
+/// What the expression of `source` gives in this row, in SI units; NaN where a cell is missing or it divides by zero.
+fn value(row: &Splitter, header: &[String], source: &Source, largest: f64) -> Result<f64, Error> {
+    let beyond = |found: String, column: &str| {
+        let found = format!("{found}, beyond any measurement in this unit (±{largest:e})");
+        let advice = "look for a broken logger or a wrong unit; correct the cell or delete the row";
+        Err(Error::new(ErrorKind::Value, found, advice).in_column(column).expecting("a finite number"))
+    };
+    if let [place] = source.places[..]
+        && source.expression.as_column().is_some()
+    {
+        let cell = row.field(place);
+        let value = source.factor * number(cell, &header[place])?;
+        let fits = value.is_nan() || value.abs() <= largest;
+        return if fits { Ok(value) } else { beyond(format!("found {}", quote(cell)), &header[place]) };
     }
+    let cells = source.places.iter().map(|&place| number(row.field(place), &header[place]));
+    let value = source.factor * source.expression.value(&cells.collect::<Result<Vec<f64>, Error>>()?);
+    match value {
+        _ if value.abs() <= largest => Ok(value),
+        _ if !value.is_finite() => Ok(f64::NAN),
+        _ => beyond(format!("{} gives {value}", source.name), source.role.column()),
+    }
+}
+
+/// The number in a cell; NaN where there is none.
+fn number(cell: &str, column: &str) -> Result<f64, Error> {
+    let parsed = cell.parse::<f64>();
     let (found, advice) = match parsed {
-        Err(_) if cell.is_empty() => ("an empty cell".into(), sniff::number_advice(cell)),
-        Ok(value) if value.is_nan() => (quote(cell), sniff::number_advice(cell)),
-        Err(_) => (quote(cell), sniff::number_advice(cell)),
-        Ok(_) if cell.to_ascii_lowercase().contains("inf") => {
-            (quote(cell), "delete the rows without a measurement: a missing row is treated as a gap")
-        }
-        Ok(_) => (
-            format!("{}, beyond any measurement in this unit (±{largest:e})", quote(cell)),
+        Ok(raw) if raw.is_finite() => return Ok(raw),
+        _ if sniff::is_missing(cell) => return Ok(f64::NAN),
+        Ok(raw) if raw.is_infinite() && !cell.to_ascii_lowercase().contains("inf") => (
+            format!("{}, beyond any measurement", quote(cell)),
             "look for a broken logger or a wrong unit; correct the cell or delete the row",
         ),
+        Ok(_) => (quote(cell), "empty the cell or delete the row: then it is a gap"),
+        Err(_) => (quote(cell), sniff::number_advice(cell)),
     };
     Err(Error::new(ErrorKind::Value, format!("found {found}"), advice)
-        .in_column(source.name.as_str())
+        .in_column(column)
         .expecting("a finite number"))
 }
 
-fn flag(row: &Splitter, source: &Source) -> Result<bool, Error> {
-    let cell = row.field(source.index);
+/// A flag; where there is none, as it was `before`.
+fn flag(row: &Splitter, source: &Source, before: bool) -> Result<bool, Error> {
+    let cell = cell(row, source);
     match cell {
         "0" => Ok(false),
         "1" => Ok(true),
+        _ if sniff::is_missing(cell) => Ok(before),
         _ => match cell.parse::<f64>() {
             Ok(0.0) => Ok(false),
             Ok(1.0) => Ok(true),

@@ -191,7 +191,7 @@ pub fn of_recording(recording: &Recording) -> ShownRecording {
         rows: recording.len(),
         rate_hz: 1.0 / recording.step,
         time_s: span(&(0..recording.len())),
-        columns: recording.columns.iter().map(|map| [map.target.clone(), map.source.clone()]).collect(),
+        columns: recording.columns.iter().map(|map| [map.target.clone(), map.source.label()]).collect(),
         sections: recording.sections.iter().map(section).collect(),
         gaps: recording.segments.len().saturating_sub(1),
         excitation: spans(&series(&recording.u), rate.as_ref()),

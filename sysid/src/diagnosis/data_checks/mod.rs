@@ -194,7 +194,7 @@ pub fn everywhere(causes: &[DataCheck], data: &Dataset) -> Location {
 /// What reading said of a signal that is too large for its unit.
 fn too_large<'r>(recording: &'r Recording, target: &str) -> Option<&'r str> {
     let column = recording.columns.iter().find(|map| map.target == target)?;
-    let begin = format!("{} reaches", column.source);
+    let begin = format!("{} reaches", column.source.label());
     let mut notes = recording.notes.iter();
     notes.find(|n| n.kind == NoteKind::Unit && n.text.starts_with(&begin)).map(|n| n.text.as_str())
 }

@@ -1,0 +1,148 @@
+//! The axes of recordings of several: `u_roll_norm`, `p_rad_s` and so on read as one axis.
+
+use crate::failure::Failure;
+use clap::ValueEnum;
+use flight_logs::axes::Axis;
+use std::path::Path;
+use sysid::recording::{ColumnMap, Expression, NoteKind, ReadOptions, Recording, header, read};
+
+/// Units of an input, as they end its name.
+const UNITS: [&str; 6] = ["rad", "pct", "V", "N_m", "N", "norm"];
+
+/// `--axis`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AxisChoice {
+    /// About the axis that points forward
+    Roll,
+    /// About the axis that points to the right
+    Pitch,
+    /// About the axis that points down
+    Yaw,
+    /// Each that has an input and a rate
+    All,
+}
+
+impl AxisChoice {
+    /// Whether no axis was chosen.
+    pub fn is_all(self) -> bool {
+        self == Self::All
+    }
+
+    /// The axes to ask, of those that each side has; `None` stands for the one of a recording that names none.
+    pub fn wanted(self, before: Vec<Axis>, after: Vec<Axis>) -> Vec<Option<Axis>> {
+        match self {
+            Self::Roll => vec![Some(Axis::Roll)],
+            Self::Pitch => vec![Some(Axis::Pitch)],
+            Self::Yaw => vec![Some(Axis::Yaw)],
+            Self::All if before.is_empty() || after.is_empty() => vec![None],
+            Self::All => before.into_iter().filter(|axis| after.contains(axis)).map(Some).collect(),
+        }
+    }
+}
+
+/// Name, rate and angle of an axis in a recording.
+fn columns(axis: Axis) -> [&'static str; 3] {
+    match axis {
+        Axis::Roll => ["roll", "p_rad_s", "phi_rad"],
+        Axis::Pitch => ["pitch", "q_rad_s", "theta_rad"],
+        Axis::Yaw => ["yaw", "r_rad_s", "psi_rad"],
+    }
+}
+
+/// The column of the axis' input, and what a recording of one axis calls it.
+fn input(names: &[String], axis: Axis) -> Option<(String, String)> {
+    let [word, ..] = columns(axis);
+    let mut all = UNITS.iter().map(|unit| (format!("u_{word}_{unit}"), format!("u_{unit}")));
+    all.find(|(own, _)| names.contains(own))
+}
+
+/// The axes that a recording has an input and a rate of; none where it cannot be read, or is of one axis alone.
+pub fn axes_of(path: &Path) -> Vec<Axis> {
+    let Ok(names) = header(path) else { return Vec::new() };
+    let has =
+        |axis: &Axis| input(&names, *axis).is_some() && names.iter().any(|name| name == columns(*axis)[1]);
+    Axis::ALL.into_iter().filter(has).collect()
+}
+
+/// Reads one axis of a recording as if it were the only one; what the user maps goes first.
+pub fn recording_of(path: &Path, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
+    let Some(axis) = axis else { return Ok(read(path, options)?) };
+    let names = header(path)?;
+    let [_, rate, angle] = columns(axis);
+    let of = |target: &str, source: &str| ColumnMap {
+        target: target.into(),
+        source: Expression::column(source),
+        factor: 1.0,
+    };
+    let is_there = |name: &str| names.iter().any(|known| known == name);
+    let mut own: Vec<ColumnMap> =
+        input(&names, axis).iter().map(|(column, target)| of(target, column)).collect();
+    own.extend(is_there(rate).then(|| of("q_rad_s", rate)));
+    own.extend(is_there(angle).then(|| of("theta_rad", angle)));
+    let is_mapped = |start: &str| options.columns.iter().any(|map| map.target.starts_with(start));
+    let slots = [("u_", "an input"), ("q_", "a rate"), ("theta_", "an angle")];
+    own.retain(|map| !slots.iter().any(|(start, _)| map.target.starts_with(start) && is_mapped(start)));
+    let has = |start: &str| is_mapped(start) || own.iter().any(|map| map.target.starts_with(start));
+    let missing = slots[..2].iter().find(|(start, _)| !has(start));
+    // a recording of one axis calls it pitch
+    if axis != Axis::Pitch
+        && let Some((_, what)) = missing
+    {
+        let found = format!("{}: no column for {what} of {axis} among {}", path.display(), names.join(", "));
+        let [word, rate, _] = columns(axis);
+        let help =
+            format!("{axis} needs u_{word}_norm (or another unit) and {rate}; map others with --column");
+        return Err(Failure::new(found, help));
+    }
+    let angle_is_own = has("theta_");
+    own.retain(|map| map.source.as_column() != Some(&map.target));
+    let found: Vec<String> = own.iter().map(|map| format!("{} is the file's column", map.target)).collect();
+    let columns = options.columns.iter().cloned().chain(own).collect();
+    let mut recording = read(path, &ReadOptions { columns, ..options.clone() })?;
+    if !angle_is_own {
+        recording.theta = None;
+    }
+    // that an axis is read from its own columns goes without saying
+    recording.notes.retain(|note| {
+        note.kind != NoteKind::Ignored && !found.iter().any(|begin| note.text.starts_with(begin))
+    });
+    Ok(recording)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_axis_is_read_as_the_only_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flight.csv");
+        let mut text =
+            "# a comment\nt_s,u_roll_norm,u_yaw_norm,p_rad_s,q_rad_s,r_rad_s,theta_rad,thrust_norm\n"
+                .to_owned();
+        for k in 0..60 {
+            let x = f64::from(k);
+            text += &format!(
+                "{},{x},{},{},{},{},{},0.5\n",
+                0.02 * x,
+                2.0 * x,
+                3.0 * x,
+                4.0 * x,
+                x.sin(),
+                x.cos()
+            );
+        }
+        std::fs::write(&path, text).unwrap();
+        assert_eq!(axes_of(&path), [Axis::Roll, Axis::Yaw]);
+        let options = ReadOptions::default();
+        let roll = recording_of(&path, Some(Axis::Roll), &options).unwrap();
+        assert_eq!((roll.u[3], roll.q.unwrap()[3]), (3.0, 9.0));
+        assert!(roll.theta.is_none(), "the angle of pitch is none of roll's");
+        let yaw = recording_of(&path, Some(Axis::Yaw), &options).unwrap();
+        assert_eq!((yaw.u[3], yaw.q.unwrap()[3]), (6.0, 3_f64.sin()));
+        let mapped = ReadOptions { columns: vec!["q_rad_s=-p_rad_s".parse().unwrap()], ..options };
+        let turned = recording_of(&path, Some(Axis::Roll), &mapped).unwrap();
+        assert_eq!(turned.q.unwrap()[3], -9.0);
+        assert!(recording_of(&path, Some(Axis::Pitch), &mapped).is_err(), "there is no input of pitch");
+    }
+}

@@ -1,0 +1,197 @@
+//! `pitchid compare`: what changed on a craft between two recordings.
+
+use crate::axes::{AxisChoice, axes_of, recording_of};
+use crate::commands::reading::{model_at, options_with};
+use crate::failure::Failure;
+use crate::logs::{Flight, Source, TimeSpan, choose, open, recording::recording};
+use crate::output;
+use crate::progress::Progress;
+use crate::text::comparison::{AxisAnswer, text};
+use clap::Args;
+use flight_logs::axes::Axis;
+use std::path::{Path, PathBuf};
+use sysid::compare::compare;
+use sysid::recording::{ColumnMap, InputHold, ReadOptions, Recording};
+
+/// Says what changed on a craft between two recordings or flight logs of it
+///
+/// Compares, axis by axis: trim, effectiveness dM/du, damping dM/dq, lag and delay of the actuators, the background, and dry
+/// friction where asked. Each with both values, the difference with its 95 % interval, and whether it changed, no change is
+/// seen (and which would have been), or the data cannot tell. Where thrust is logged, what stands on the ground is left out.
+#[derive(Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// The recording (CSV) or flight log before
+    before: PathBuf,
+
+    /// The one after
+    after: PathBuf,
+
+    /// The axis [default: all that have an input and a rate]
+    #[arg(long, value_name = "AXIS", default_value = "all", hide_default_value = true)]
+    axis: AxisChoice,
+
+    /// The simulation in use: gives the inertia, so that moments are in N m, and where the fits start
+    #[arg(long, value_name = "MODEL.toml")]
+    model: Option<PathBuf>,
+
+    /// Compare dry friction too
+    #[arg(long)]
+    friction: bool,
+
+    /// A column of another name, or arithmetic over columns, of both (see pitchid diagnose --help)
+    #[arg(long = "column", value_name = "NAME=EXPR", help_heading = "Reading")]
+    columns: Vec<ColumnMap>,
+
+    /// The input between samples: held (a command) or interpolated (it was measured)
+    #[arg(long, value_name = "HOLD", default_value = "held", help_heading = "Reading")]
+    input: InputHold,
+
+    /// The part to use, in seconds of the own clock; given twice, of BEFORE and of AFTER
+    #[arg(long, value_name = "FROM..TO", help_heading = "Reading", allow_hyphen_values = true)]
+    time: Vec<TimeSpan>,
+
+    /// Which flight of a log that holds several, counted from 1; given twice, of BEFORE and of AFTER
+    #[arg(long, value_name = "N", help_heading = "Reading")]
+    flight: Vec<usize>,
+
+    /// Write the answer as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
+}
+
+const AFTER_HELP: &str = "\
+In free flight, without a model, moments are angular accelerations: effectiveness and inertia cannot be told apart, as a
+heavier craft answers like one with weaker rotors.
+
+A craft that is the same gets a change told in one of a hundred comparisons of an axis at the most.
+
+Examples:
+  pitchid compare monday.csv friday.csv
+  pitchid compare before.ulg after.ulg --axis roll --time 20..80 --time 15..75
+  pitchid compare flight.bbl flight.bbl --flight 1 --flight 3 --json changes.json
+
+Exit status: 0 compared, whatever it says; 2 the input could not be used.";
+
+/// Compares.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut inputs = vec![arguments.before.as_path(), arguments.after.as_path()];
+    inputs.extend(arguments.model.as_deref());
+    output::check(arguments.json.as_deref(), &inputs)?;
+    let model = arguments.model.as_deref().map(model_at).transpose()?;
+    let options = options_with(arguments.input, &arguments.columns);
+    let progress = Progress::start("reading");
+    let sides = [
+        Part::open(arguments, &arguments.before, 0, &options)?,
+        Part::open(arguments, &arguments.after, 1, &options)?,
+    ];
+    let axes: Vec<Option<Axis>> = arguments.axis.wanted(sides[0].axes(), sides[1].axes());
+    let (mut answers, mut refusals) = (Vec::new(), Vec::new());
+    for axis in axes {
+        let read = |side: &Part| side.recording(axis, model.is_some());
+        let pair = read(&sides[0]).and_then(|before| Ok([before, read(&sides[1])?]));
+        match pair {
+            Ok([before, after]) => {
+                let say = |what: &str| {
+                    progress.say(&axis.map_or(what.to_owned(), |axis| format!("{axis}: {what}")))
+                };
+                let found = compare(&[before], &[after], model.as_ref(), arguments.friction, &say)?;
+                answers.push(AxisAnswer::new(axis, found));
+            }
+            Err(refusal) => refusals.push(refusal),
+        }
+    }
+    drop(progress);
+    // an axis that cannot be read stands in nobody's way, unless it was asked for or there is no other
+    if let Some(refusal) = refusals.into_iter().next()
+        && (answers.is_empty() || !arguments.axis.is_all())
+    {
+        return Err(refusal);
+    }
+    match &arguments.json {
+        Some(path) => {
+            if !output::is_stdout(Some(path)) {
+                output::print(&text(&answers))?;
+            }
+            output::write(
+                path,
+                &output::json(&serde_json::json!({
+                    "schema": "pitchid.comparisons/1",
+                    "before": arguments.before.display().to_string(),
+                    "after": arguments.after.display().to_string(),
+                    "axes": answers,
+                }))?,
+            )
+        }
+        None => output::print(&text(&answers)),
+    }
+}
+
+/// One of the two.
+struct Part<'a> {
+    what: What,
+    time: Option<&'a TimeSpan>,
+    options: &'a ReadOptions,
+}
+
+enum What {
+    Log(Box<Flight>),
+    Table(PathBuf),
+}
+
+impl<'a> Part<'a> {
+    fn open(
+        arguments: &'a Arguments,
+        path: &Path,
+        place: usize,
+        options: &'a ReadOptions,
+    ) -> Result<Self, Failure> {
+        let time = arguments.time.get(place).or(arguments.time.last());
+        let number = arguments.flight.get(place).or(arguments.flight.last()).copied();
+        let source = open(&[path.to_path_buf()], &arguments.columns)?.into_iter().next();
+        let what = match source {
+            Some(Source::Log(flights)) => {
+                let mut flight = choose(flights, number)?;
+                flight.cut(time)?;
+                What::Log(Box::new(flight))
+            }
+            _ if number.is_some() => {
+                let found = format!("{}: --flight is for flight logs, this is none", path.display());
+                return Err(Failure::new(found, "choose a part of a recording with --time FROM..TO"));
+            }
+            _ => What::Table(path.to_path_buf()),
+        };
+        Ok(Self { what, time, options })
+    }
+
+    /// The axes that have columns of their own; none of a recording of one axis alone.
+    fn axes(&self) -> Vec<Axis> {
+        match &self.what {
+            What::Log(_) => Axis::ALL.to_vec(),
+            What::Table(path) => axes_of(path),
+        }
+    }
+
+    fn recording(&self, axis: Option<Axis>, has_model: bool) -> Result<Recording, Failure> {
+        match &self.what {
+            What::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), self.options, has_model),
+            What::Table(path) => {
+                let mut recording = recording_of(path, axis, self.options)?;
+                if let Some(TimeSpan { from, to }) = self.time {
+                    let t = &recording.t;
+                    let [first, last] = [t[0], t[t.len() - 1]];
+                    let rows = t.partition_point(|t| t < from)..t.partition_point(|t| t < to);
+                    let within =
+                        recording.segments.iter().map(|s| s.start.max(rows.start)..s.end.min(rows.end));
+                    recording.segments = within.filter(|s| s.start + 2 < s.end).collect();
+                    if recording.segments.is_empty() {
+                        let found = format!("{}: nothing is recorded in --time {from}..{to}", path.display());
+                        let help = format!("its clock runs from {first:.3} to {last:.3} s");
+                        return Err(Failure::new(found, help));
+                    }
+                }
+                Ok(recording)
+            }
+        }
+    }
+}

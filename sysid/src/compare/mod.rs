@@ -1,0 +1,171 @@
+//! What changed on a craft between two recordings of it.
+//!
+//! On either side the grey box is fitted by maximum likelihood in innovations form, which feedback does not bend, with a
+//! constant moment and a first-order lag of the servo beside plant, delay and coloured background. Each quantity is then a
+//! function of the unknowns, with a deviation that is the largest of three: that of the information, that of the scores of
+//! blocks of 3 s, and that of a jackknife over spans of the recording (see [`side`]). The difference is judged as
+//! [`statistics`] says, all quantities of one comparison together at one level.
+//!
+//! The predictor sees ∂M/∂u and ∂M/∂q relative to the inertia alone: a heavier craft looks like weaker rotors with less
+//! damping, and no recording of the same loop tells the two apart.
+
+pub mod side;
+pub mod statistics;
+
+use crate::dataset::Dataset;
+use crate::error::Error;
+use crate::estimate::Estimate;
+use crate::likelihood::problem::Problem;
+use crate::model::baseline::Baseline;
+use crate::model::file::ModelFile;
+use crate::recording::{InputUnit, Recording};
+use serde::Serialize;
+use side::Side;
+use statistics::{Difference, Verdict, judge};
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// The command that holds the craft in trim, or where the input is no share of a full command, the constant moment.
+    Trim,
+    /// ∂M/∂u.
+    Effectiveness,
+    /// ∂M/∂q.
+    Damping,
+    /// Delay and time constant of the servo's lag together: data seldom part them.
+    LagAndDelay,
+    /// Dry friction.
+    Friction,
+    /// Standard deviation of the background moment; the air's, not the craft's.
+    Background,
+}
+
+/// One quantity on both sides.
+#[derive(Clone, Debug, Serialize)]
+pub struct Change {
+    /// Which.
+    pub quantity: Quantity,
+    /// Before.
+    pub before: Estimate,
+    /// After.
+    pub after: Estimate,
+    /// After less before.
+    pub difference: Estimate,
+    /// What the data say of it.
+    #[serde(flatten)]
+    pub judged: Difference,
+}
+
+/// The answer for one axis.
+#[derive(Clone, Debug, Serialize)]
+pub struct Comparison {
+    /// Name and version of the form of the answer.
+    pub schema: &'static str,
+    /// Every quantity.
+    pub changes: Vec<Change>,
+    /// All that was estimated before, and after.
+    pub parameters: [Vec<Estimate>; 2],
+    /// Seconds that were used of before and after.
+    pub seconds: [f64; 2],
+    /// Whether a model gave the inertia; without it moments are angular accelerations.
+    pub inertia_known: bool,
+    /// What was noticed about the recordings, and what was assumed.
+    pub notes: Vec<String>,
+}
+
+impl Comparison {
+    /// The quantities with this verdict.
+    pub fn with(&self, verdict: Verdict) -> impl Iterator<Item = &Change> {
+        self.changes.iter().filter(move |change| change.judged.verdict == verdict)
+    }
+}
+
+/// Compares recordings of one axis of one craft; `model` starts both fits and gives the inertia, `friction` asks for dry
+/// friction too. `progress` is told what is being done.
+///
+/// # Errors
+/// Recordings that do not go together, inputs of different units, or a side without a finite likelihood.
+///
+/// ```
+/// # use sysid::recording::{Recording, parse};
+/// # let flown = |push: f64| -> Result<Recording, sysid::error::Error> {
+/// #     let (mut text, mut q) = (String::from("t_s,u_N_m,q_rad_s\n"), 0.0);
+/// #     for k in 0..1500 {
+/// #         let u = if (k / 17 + k / 41) % 2 == 0 { 0.1 } else { -0.1 };
+/// #         let noise = f64::from((k * 7919 + 13) % 1009) / 1009.0 - 0.5;
+/// #         text.push_str(&format!("{:.2},{u},{}\n", 0.02 * f64::from(k), q + 0.01 * noise));
+/// #         q += 0.02 * (10.0 * (u + push) - 2.0 * q);
+/// #     }
+/// #     parse("flight.csv", text.as_bytes(), &Default::default())
+/// # };
+/// use sysid::compare::{Quantity, compare, statistics::Verdict};
+/// let (before, after) = (flown(0.0)?, flown(0.05)?);
+/// let comparison = compare(&[before], &[after], None, false, &|_step| {})?;
+/// let trim = comparison.changes.iter().find(|change| change.quantity == Quantity::Trim).unwrap();
+/// assert_eq!(trim.judged.verdict, Verdict::Changed);
+/// # Ok::<(), sysid::error::Error>(())
+/// ```
+pub fn compare(
+    before: &[Recording],
+    after: &[Recording],
+    model: Option<&ModelFile>,
+    friction: bool,
+    progress: &dyn Fn(&str),
+) -> Result<Comparison, Error> {
+    let mut notes = Vec::new();
+    let sides = [("before", before), ("after", after)];
+    let recordings = sides.map(|(name, recordings)| side::airborne(name, recordings, &mut notes));
+    // both at once: units and channels have to agree
+    Dataset::new(&recordings.concat())?;
+    let mut found = Vec::with_capacity(2);
+    for (recordings, (name, _)) in recordings.iter().zip(sides) {
+        progress(&format!("fitting {name}"));
+        let mut data = Dataset::new(recordings)?;
+        notes.extend(data.notes(recordings).into_iter().map(|note| format!("{name}: {note}")));
+        let mean = side::take_mean(&mut data);
+        let baseline = match model {
+            Some(model) => Baseline::from_model(model, &data)?,
+            None => Baseline::from_data(&data),
+        };
+        let baseline = Baseline { delay_free: true, ..baseline };
+        let problem = Problem::new(&data, &baseline, &[]);
+        found.push(Side::new(&problem, mean, friction)?);
+    }
+    let inertia_known = model.is_some();
+    if !inertia_known && recordings.iter().flatten().next().is_some_and(|r| r.u_unit == InputUnit::Rad) {
+        notes.push("no model was given: inertia and mount are those of the reference vehicle".into());
+    } else if !inertia_known {
+        notes.push(
+            "no model was given: unit inertia is assumed, moments are angular accelerations in rad/s²".into(),
+        );
+    }
+    let [before, after] = [&found[0], &found[1]];
+    let compared: Vec<(Quantity, [statistics::Measured; 2], f64)> = before
+        .quantities
+        .iter()
+        .zip(&after.quantities)
+        .map(|(b, a)| (b.quantity, [b.measured, a.measured], 0.5 * (b.usual + a.usual)))
+        .collect();
+    let judged = judge(&compared.iter().map(|(_, pair, usual)| (*pair, *usual)).collect::<Vec<_>>());
+    let changes = compared.into_iter().zip(judged).zip(&before.quantities).map(
+        |(((quantity, [b, a], _), judged), q)| {
+            let estimate = |value: statistics::Measured| value.estimate(q.name, &q.unit);
+            Change {
+                quantity,
+                before: estimate(b),
+                after: estimate(a),
+                difference: estimate(b.to(&a)),
+                judged,
+            }
+        },
+    );
+    Ok(Comparison {
+        schema: "pitchid.comparison/1",
+        changes: changes.collect(),
+        parameters: [before.parameters.clone(), after.parameters.clone()],
+        seconds: [before.seconds, after.seconds],
+        inertia_known,
+        notes,
+    })
+}

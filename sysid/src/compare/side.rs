@@ -1,0 +1,350 @@
+//! One side of a comparison: the fit, and each quantity with its deviation.
+//!
+//! The input goes in less its mean ū, so that the constant moment M₀' of the fit is small and not bound up with ∂M/∂u:
+//!
+//! ```text
+//! M = ∂M/∂u (u − ū) + M₀' + ...      trim command  u₀ = ū − M₀'/(∂M/∂u)      constant moment  M₀ = M₀' − ∂M/∂u ū
+//! ```
+//!
+//! A quantity f of the unknowns has the variance gᵀ C g, g its gradient, with C of the information and of the blocks, and
+//!
+//! ```text
+//! (G−1)/G Σ_g (f_g − f̄)²,   f_g without the g-th of G spans of equal length (Tukey's jackknife; G−1 degrees of freedom)
+//! ```
+//!
+//! The largest is taken: what drifts slowly within a recording, as trim does in wind, shows between the spans alone.
+
+use super::Quantity;
+use super::statistics::Measured;
+use crate::catalogue::find;
+use crate::dataset::{Dataset, Place};
+use crate::error::{Error, ErrorKind};
+use crate::estimate::Estimate;
+use crate::likelihood::evidence::Information;
+use crate::likelihood::fit::{Fit, fit_baseline, refit, settled};
+use crate::likelihood::problem::Problem;
+use crate::model::effect::Effect;
+use crate::recording::{InputUnit, Recording};
+use std::ops::Range;
+
+/// Spans of the jackknife: as many as are this long, s, twice the blocks, within these bounds.
+const SPAN_S: f64 = 6.0;
+const SPANS: [usize; 2] = [8, 24];
+/// Share of the usual thrust below which a craft stands on the ground.
+const ON_GROUND: f64 = 0.5;
+/// Left out after take-off and before landing, s: the ground holds the craft.
+const NEAR_GROUND_S: f64 = 1.0;
+/// Shortest flight that is used, s.
+const SHORTEST_FLIGHT_S: f64 = 3.0;
+/// Size of a usual change of trim, as a share of full command.
+const USUAL_TRIM: f64 = 0.05;
+/// Sizes of usual changes, as shares of the quantity itself.
+const USUAL_EFFECTIVENESS: f64 = 0.2;
+const USUAL_DAMPING: f64 = 0.5;
+const USUAL_LAG: f64 = 0.5;
+const USUAL_BACKGROUND: f64 = 0.5;
+/// Size of usual friction, as a share of the control moment's standard deviation.
+const USUAL_FRICTION: f64 = 0.2;
+
+/// What one side says of a quantity.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// Which.
+    pub quantity: Quantity,
+    /// Name of the estimate.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: String,
+    /// Value and deviation.
+    pub measured: Measured,
+    /// Size of a usual change.
+    pub usual: f64,
+}
+
+/// A fitted side.
+pub struct Side {
+    /// Every quantity.
+    pub quantities: Vec<Found>,
+    /// All unknowns of the fit.
+    pub parameters: Vec<Estimate>,
+    /// Seconds of data.
+    pub seconds: f64,
+}
+
+/// The recordings cut to what was flown, by the thrust where it was logged; told where something is left out.
+pub fn airborne(name: &str, recordings: &[Recording], notes: &mut Vec<String>) -> Vec<Recording> {
+    let mut all = recordings.to_vec();
+    for recording in &mut all {
+        let Some(flown) =
+            recording.thrust.as_deref().and_then(|t| flown(t, &recording.segments, recording.step))
+        else {
+            continue;
+        };
+        let rows = |ranges: &[Range<usize>]| ranges.iter().map(ExactSizeIterator::len).sum::<usize>();
+        let (kept, all) = (rows(&flown), rows(&recording.segments));
+        notes.push(format!(
+            "{name}: {:.1} of {:.1} s are used: the rest is on the ground or near it, by thrust_norm",
+            kept as f64 * recording.step,
+            all as f64 * recording.step
+        ));
+        recording.segments = flown;
+    }
+    all
+}
+
+/// The stretches in flight; `None` where all is, or none.
+fn flown(thrust: &[f64], segments: &[Range<usize>], step: f64) -> Option<Vec<Range<usize>>> {
+    let largest = thrust.iter().fold(0.0_f64, |most, &t| most.max(t));
+    let mut running: Vec<f64> = thrust.iter().copied().filter(|&t| t > 0.1 * largest).collect();
+    if running.is_empty() {
+        return None;
+    }
+    let middle = running.len() / 2;
+    let level = ON_GROUND * *running.select_nth_unstable_by(middle, f64::total_cmp).1;
+    if thrust.iter().all(|&t| t >= level) {
+        return None;
+    }
+    let (margin, shortest) = ((NEAR_GROUND_S / step) as usize, (SHORTEST_FLIGHT_S / step) as usize);
+    let mut stretches = Vec::new();
+    for segment in segments {
+        let mut start = segment.start;
+        for run in thrust[segment.clone()].chunk_by(|a, b| (*a >= level) == (*b >= level)) {
+            let rows = start + margin..(start + run.len()).saturating_sub(margin);
+            if run[0] >= level && rows.end > rows.start && rows.len() >= shortest {
+                stretches.push(rows);
+            }
+            start += run.len();
+        }
+    }
+    (!stretches.is_empty()).then_some(stretches)
+}
+
+/// Takes the mean off the input, and gives it.
+pub fn take_mean(data: &mut Dataset) -> f64 {
+    let count = data.samples().max(1) as f64;
+    let mean = data.runs.iter().flat_map(|run| &run.u).sum::<f64>() / count;
+    data.runs.iter_mut().flat_map(|run| &mut run.u).for_each(|u| *u -= mean);
+    mean
+}
+
+impl Side {
+    /// Fits a data set whose input had the mean `mean`.
+    ///
+    /// # Errors
+    /// No finite likelihood.
+    pub fn new(problem: &Problem<'_>, mean: f64, friction: bool) -> Result<Self, Error> {
+        let refuse = || {
+            let found = "the model has no finite likelihood on these data";
+            let advice = "check that the craft moves, and the units of the columns";
+            Error::new(ErrorKind::Numerical, found, advice)
+        };
+        let fit = fitted(problem, friction).ok_or_else(refuse)?;
+        let spans = spans(problem.data);
+        let information = Information::new(problem, &fit, &spans).ok_or_else(refuse)?;
+        let coordinates = problem.coordinates(&fit.effects);
+        let (values, deviations) = (&fit.minimum.values, information.deviations(&fit.minimum.values));
+        let parameters = coordinates.iter().zip(values).zip(deviations);
+        let parameters =
+            parameters.map(|((c, &value), d)| Estimate::new(&c.name, &c.unit, value, d, c.bounds)).collect();
+        let seconds = problem.data.runs.iter().map(|run| run.len() as f64 * run.step).sum();
+        Ok(Self {
+            quantities: quantities(problem, &fit, (&information, &spans), mean, friction),
+            parameters,
+            seconds,
+        })
+    }
+}
+
+/// The baseline with a constant moment, a lag and, where asked, friction.
+fn fitted(problem: &Problem<'_>, friction: bool) -> Option<Fit> {
+    let plain = fit_baseline(problem)?;
+    let wanted = ["trim_offset", "servo_lag"].into_iter().chain(friction.then_some("coulomb_friction"));
+    let known = |id: &str| problem.baseline.terms.iter().any(|term| term.effect.about().id == id);
+    let effects: Vec<&'static dyn Effect> = wanted.filter(|id| !known(id)).filter_map(find).collect();
+    let starts = |effect: &&'static dyn Effect| effect.starts(&problem.sizes);
+    let most = effects.iter().map(|effect| starts(effect).len()).max().unwrap_or(1);
+    let from = |k: usize| {
+        let own = effects.iter().flat_map(|effect| {
+            let starts = starts(effect);
+            starts[k.min(starts.len() - 1)].clone()
+        });
+        let start: Vec<f64> = plain.minimum.values.iter().copied().chain(own).collect();
+        refit(problem, &effects, &start)
+    };
+    // the range of a lag ends above zero: a servo without one is another model
+    let prompt: Vec<&'static dyn Effect> =
+        effects.iter().copied().filter(|effect| effect.about().id != "servo_lag").collect();
+    let own = prompt.iter().flat_map(|effect| starts(effect).swap_remove(0));
+    let start: Vec<f64> = plain.minimum.values.iter().copied().chain(own).collect();
+    let fits = (0..most).filter_map(from).chain(refit(problem, &prompt, &start));
+    let best = fits.min_by(|a, b| a.criterion().total_cmp(&b.criterion()))?;
+    Some(settled(problem, best))
+}
+
+/// Equal spans of all rows, in order.
+fn spans(data: &Dataset) -> Vec<Vec<Place>> {
+    let all = data.samples();
+    let seconds: f64 = data.runs.iter().map(|run| run.len() as f64 * run.step).sum();
+    let count = ((seconds / SPAN_S) as usize).clamp(SPANS[0], SPANS[1]);
+    let mut spans = vec![Vec::new(); count];
+    let mut before = 0;
+    for (run, r) in data.runs.iter().enumerate() {
+        for (k, span) in spans.iter_mut().enumerate() {
+            let at = |edge: usize| (edge * all / count).clamp(before, before + r.len()) - before;
+            let rows = at(k)..at(k + 1);
+            if !rows.is_empty() {
+                span.push(Place { label: format!("span {}", k + 1), run, rows });
+            }
+        }
+        before += r.len();
+    }
+    spans
+}
+
+/// Place of the first parameter of the effect called `id`, added or the baseline's own.
+fn place(problem: &Problem<'_>, fit: &Fit, id: &str) -> Option<usize> {
+    let mut at = problem.known_range().start;
+    for term in &problem.baseline.terms {
+        if term.effect.about().id == id {
+            return Some(at);
+        }
+        at += term.values.len();
+    }
+    fit.range_of(problem, id).map(|range| range.start)
+}
+
+fn quantities(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    (information, spans): (&Information, &[Vec<Place>]),
+    mean: f64,
+    friction: bool,
+) -> Vec<Found> {
+    const DAMPING: usize = 0;
+    const GAIN: usize = 1;
+    const DELAY: usize = 2;
+    let (values, sizes) = (&fit.minimum.values, &problem.sizes);
+    let moment = if problem.baseline.plant.inertia == 1.0 { "rad/s²" } else { "N m" };
+    let per = |unit: &str| if unit == "1" { moment.to_owned() } else { format!("{moment}/{unit}") };
+    let input = problem.data.input_unit;
+    let measured = |of: &dyn Fn(&[f64]) -> f64| measured((information, spans.len()), values, of);
+    let mut all = Vec::new();
+    let mut add = |quantity, name, unit: &str, measured: Measured, usual: f64| {
+        all.push(Found { quantity, name, unit: unit.to_owned(), measured, usual });
+    };
+    if let Some(m0) = place(problem, fit, "trim_offset") {
+        let command = |v: &[f64]| mean - v[m0] / v[GAIN];
+        let constant = |v: &[f64]| v[m0] - v[GAIN] * mean;
+        let full = match input {
+            InputUnit::Normalised => Some(1.0),
+            InputUnit::Percent => Some(100.0),
+            _ => None,
+        };
+        match full {
+            Some(full) => {
+                let usual = USUAL_TRIM * full;
+                add(Quantity::Trim, "trim_command", input.symbol(), measured(&command), usual);
+            }
+            None => {
+                let usual = values[GAIN].abs() * sizes.u;
+                add(Quantity::Trim, "trim_moment", moment, measured(&constant), usual);
+            }
+        }
+    }
+    let gain = measured(&|v| v[GAIN]);
+    add(Quantity::Effectiveness, "dM_du", &per(input.symbol()), gain, USUAL_EFFECTIVENESS * gain.value.abs());
+    let damping = measured(&|v| v[DAMPING]);
+    let unit = if moment == "N m" { "N m s/rad" } else { "1/s" };
+    add(Quantity::Damping, "dM_dq", unit, damping, USUAL_DAMPING * damping.value.abs());
+    let lag = place(problem, fit, "servo_lag");
+    let late = measured(&|v| v[DELAY] + lag.map_or(0.0, |lag| v[lag]));
+    add(Quantity::LagAndDelay, "lag_and_delay", "s", late, USUAL_LAG * late.value.max(sizes.step));
+    if let Some(mc) = place(problem, fit, "coulomb_friction").filter(|_| friction) {
+        add(
+            Quantity::Friction,
+            "Mc",
+            moment,
+            measured(&|v| v[mc]),
+            USUAL_FRICTION * values[GAIN].abs() * sizes.u,
+        );
+    }
+    if let Some(background) = background(problem, fit, spans) {
+        add(Quantity::Background, "background", moment, background, USUAL_BACKGROUND * background.value);
+    }
+    all
+}
+
+/// A quantity with the largest of its deviations.
+fn measured(
+    (information, spans): (&Information, usize),
+    values: &[f64],
+    of: &dyn Fn(&[f64]) -> f64,
+) -> Measured {
+    let value = of(values);
+    let gradient: Vec<f64> = (0..values.len())
+        .map(|i| {
+            let step = 1e-5 * values[i].abs().max(1e-6);
+            let at = |h: f64| {
+                let mut moved = values.to_vec();
+                moved[i] += h;
+                of(&moved)
+            };
+            (at(step) - at(-step)) / (2.0 * step)
+        })
+        .collect();
+    let known = information.deviation_along(values, &gradient);
+    let left: Vec<f64> = (0..spans).map(|span| of(&information.without(span, values, |_| false))).collect();
+    let mean = left.iter().sum::<f64>() / spans as f64;
+    let spread = left.iter().map(|f| (f - mean).powi(2)).sum::<f64>();
+    let jackknife = ((spans - 1) as f64 / spans as f64 * spread).sqrt();
+    if !known.is_finite() || jackknife <= known {
+        Measured { value, deviation: known, freedom: f64::INFINITY }
+    } else {
+        Measured { value, deviation: jackknife, freedom: (spans - 1) as f64 }
+    }
+}
+
+/// Standard deviation of the background moment, with the spread of its logarithm between the spans.
+fn background(problem: &Problem<'_>, fit: &Fit, spans: &[Vec<Place>]) -> Option<Measured> {
+    let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
+    let mut moments: Vec<Vec<f64>> = problem.data.runs.iter().map(|run| vec![0.0; run.len()]).collect();
+    let visit = |run: usize, k: usize, point: &crate::model::pitch::Point| {
+        moments[run][k] = unpacked.disturbance.moment(&point.x);
+    };
+    problem.track(&unpacked, visit, &mut |_, _| {})?;
+    let power = |places: &[Place]| {
+        let rows = places.iter().flat_map(|p| p.rows.clone().map(move |k| (p.run, k)));
+        let counted =
+            rows.filter(|&(run, k)| problem.counted[run][k]).map(|(run, k)| moments[run][k].powi(2));
+        let (sum, count) = counted.fold((0.0, 0_usize), |(sum, count), m| (sum + m, count + 1));
+        (count > 0 && sum > 0.0).then(|| sum / count as f64)
+    };
+    let logs: Vec<f64> = spans.iter().filter_map(|span| Some(0.5 * power(span)?.ln())).collect();
+    let count = logs.len() as f64;
+    let mean = logs.iter().sum::<f64>() / count;
+    let spread = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>();
+    let value = power(&spans.concat())?.sqrt();
+    let deviation = value * (spread / (count * (count - 1.0))).sqrt();
+    (count > 2.0).then_some(Measured { value, deviation, freedom: count - 1.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_was_flown_is_used() {
+        let mut thrust = vec![0.0; 1000];
+        thrust[200..500].fill(0.6);
+        thrust[700..800].fill(0.6);
+        assert_eq!(
+            flown(&thrust, &[0..1000], 0.01),
+            None,
+            "a flight of 1 s away from the ground is too short"
+        );
+        thrust[100..600].fill(0.6);
+        assert_eq!(flown(&thrust, &[0..1000], 0.01), Some(vec![200..500]));
+        assert_eq!(flown(&[0.5; 900], &[0..900], 0.01), None);
+        assert_eq!(flown(&[0.0; 900], &[0..900], 0.01), None);
+    }
+}

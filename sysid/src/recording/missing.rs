@@ -1,0 +1,149 @@
+//! Cells without a number: empty, NaN, or a word that loggers write for it.
+//!
+//! A row without time, input, rate or angle is left out: the clock then sees a gap. A column that is not needed in every
+//! row is bridged there, commands held, measured signals by straight lines. A column without any number, and a rate or
+//! angle that is missing in most rows while the other is there, is not used. All of it is told.
+
+use super::clock::counted;
+use super::columns::Role;
+use super::table::{Signal, Table};
+use super::{Note, NoteKind};
+use crate::error::{Error, ErrorKind};
+
+/// Lines that a note names.
+const LINES_TOLD: usize = 5;
+
+/// Leaves no cell without a number in `table`.
+pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), Error> {
+    drop_sparse(table, notes)?;
+    for signal in table.signals.iter_mut().filter(|signal| !is_needed(signal)) {
+        let rows = missing(&signal.values);
+        if let (Some(&first), Some(&last)) = (rows.first(), rows.last()) {
+            let how = if signal.source.role.is_held() { "the value before" } else { "straight lines" };
+            let text = format!(
+                "{}: {} without a number ({}), bridged by {how}",
+                signal.source.name,
+                counted(rows.len(), "cell"),
+                lines(&table.lines, &rows)
+            );
+            notes.push(over(&table.t, first, last, text));
+            bridge(&mut signal.values, signal.source.role.is_held());
+        }
+    }
+    let needed: Vec<&Signal> = table.signals.iter().filter(|signal| is_needed(signal)).collect();
+    let without =
+        |row: &usize| table.t[*row].is_nan() || needed.iter().any(|signal| signal.values[*row].is_nan());
+    let rows: Vec<usize> = (0..table.t.len()).filter(without).collect();
+    let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else { return Ok(()) };
+    let mut columns: Vec<&str> = needed
+        .iter()
+        .filter(|signal| signal.values.iter().any(|value| value.is_nan()))
+        .map(|signal| signal.source.name.as_str())
+        .collect();
+    columns.extend(table.t.iter().any(|t| t.is_nan()).then_some(table.time.name.as_str()));
+    let text = format!(
+        "{} without a number in {}: left out as a gap ({})",
+        counted(rows.len(), "row"),
+        columns.join(", "),
+        lines(&table.lines, &rows)
+    );
+    notes.push(over(&table.t, first, last, text));
+    table.remove(&rows);
+    Ok(())
+}
+
+/// Whether no row can do without it.
+fn is_needed(signal: &Signal) -> bool {
+    signal.source.role.is_input() || is_output(signal)
+}
+
+fn is_output(signal: &Signal) -> bool {
+    matches!(signal.source.role, Role::Q | Role::Theta)
+}
+
+/// Leaves out columns that hold no number, and the output that is missing in most rows while the other is there.
+fn drop_sparse(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), Error> {
+    let rows = table.t.len();
+    let found = |signal: &Signal| rows - missing(&signal.values).len();
+    let most = table.signals.iter().filter(|signal| is_output(signal)).map(found).max().unwrap_or(0);
+    let empty = |name: &str| {
+        let advice = "check the logger and the column; map another one with --column";
+        Err(Error::new(ErrorKind::Value, "no cell of this column holds a number", advice).in_column(name))
+    };
+    if rows > 0 && table.t.iter().all(|t| t.is_nan()) {
+        return empty(&table.time.name);
+    }
+    let mut kept = Vec::new();
+    for signal in std::mem::take(&mut table.signals) {
+        let count = found(&signal);
+        let none = rows > 0 && count == 0;
+        if none && (signal.source.role.is_input() || is_output(&signal) && most == 0) {
+            return empty(&signal.source.name);
+        }
+        if none {
+            let text = format!("{} holds no number and is not used", signal.source.name);
+            notes.push(Note::new(NoteKind::Missing, text));
+        } else if is_output(&signal) && 2 * count < most {
+            let text =
+                format!("{} has a number in {count} of {rows} rows only and is not used", signal.source.name);
+            notes.push(Note::new(NoteKind::Missing, text));
+        } else {
+            kept.push(signal);
+        }
+    }
+    table.signals = kept;
+    Ok(())
+}
+
+fn missing(values: &[f64]) -> Vec<usize> {
+    (0..values.len()).filter(|&row| values[row].is_nan()).collect()
+}
+
+/// The lines of these rows, for a message.
+fn lines(lines: &[u32], rows: &[usize]) -> String {
+    let mut stretches: Vec<[usize; 2]> = Vec::new();
+    for &row in rows {
+        match stretches.last_mut() {
+            Some([_, last]) if *last + 1 == row => *last = row,
+            _ => stretches.push([row, row]),
+        }
+    }
+    let line = |row: usize| lines.get(row).copied().unwrap_or_default();
+    let told = stretches.iter().take(LINES_TOLD).map(|&[first, last]| match last - first {
+        0 => format!("{}", line(first)),
+        _ => format!("{} to {}", line(first), line(last)),
+    });
+    let mut told: Vec<String> = told.collect();
+    if stretches.len() > LINES_TOLD {
+        told.push("...".to_owned());
+    }
+    format!("line {}", told.join(", "))
+}
+
+/// A note over the rows, as far as their times are known.
+fn over(t: &[f64], first: usize, last: usize, text: String) -> Note {
+    let known = |row: &usize| !t[*row].is_nan();
+    let before = (0..=first).rev().find(known).or_else(|| (first..t.len()).find(known));
+    let after = (last..t.len()).find(known).or_else(|| (0..=last).rev().find(known));
+    match before.zip(after) {
+        Some((from, to)) => Note::over(NoteKind::Missing, t[from], t[to], text),
+        None => Note::new(NoteKind::Missing, text),
+    }
+}
+
+/// Fills what is missing from the neighbours that are there, by number of the row.
+fn bridge(values: &mut [f64], held: bool) {
+    let known: Vec<usize> = (0..values.len()).filter(|&row| !values[row].is_nan()).collect();
+    let (Some(&first), Some(&last)) = (known.first(), known.last()) else { return };
+    let (head, tail) = (values[first], values[last]);
+    values[..first].fill(head);
+    values[last..].fill(tail);
+    for pair in known.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let (before, after) = (values[from], values[to]);
+        for (steps, value) in values[from + 1..to].iter_mut().enumerate() {
+            let part = (steps + 1) as f64 / (to - from) as f64;
+            *value = if held { before } else { before + part * (after - before) };
+        }
+    }
+}
