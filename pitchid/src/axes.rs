@@ -29,13 +29,16 @@ impl AxisChoice {
     }
 
     /// The axes to ask, of those that each side has; `None` stands for the one of a recording that names none.
-    pub fn wanted(self, before: Vec<Axis>, after: Vec<Axis>) -> Vec<Option<Axis>> {
+    pub fn wanted(self, before: &[Axis], after: &[Axis]) -> Vec<Option<Axis>> {
         match self {
             Self::Roll => vec![Some(Axis::Roll)],
             Self::Pitch => vec![Some(Axis::Pitch)],
             Self::Yaw => vec![Some(Axis::Yaw)],
-            Self::All if before.is_empty() || after.is_empty() => vec![None],
-            Self::All => before.into_iter().filter(|axis| after.contains(axis)).map(Some).collect(),
+            Self::All if before.is_empty() && after.is_empty() => vec![None],
+            // The side that has none says itself why when it is read.
+            Self::All if before.is_empty() => after.iter().copied().map(Some).collect(),
+            Self::All if after.is_empty() => before.iter().copied().map(Some).collect(),
+            Self::All => before.iter().filter(|axis| after.contains(axis)).map(|axis| Some(*axis)).collect(),
         }
     }
 }

@@ -34,7 +34,7 @@ fn table(push: f64, seed: u32) -> String {
         f64::from(state >> 8) / f64::from(1 << 24) - 0.5
     };
     for k in 0..1500_u32 {
-        let level = |a: u32, b: u32| if (k / a + k / b) % 2 == 0 { 0.1 } else { -0.1 };
+        let level = |a: u32, b: u32| if (k / a + k / b).is_multiple_of(2) { 0.1 } else { -0.1 };
         let (roll, yaw) = (level(17, 41), level(23, 57));
         writeln!(
             text,
@@ -59,18 +59,17 @@ fn each_axis_is_compared_and_told_in_words() {
     let (status, text, err) = run(folder.path(), &["compare", "before.csv", "after.csv"]);
     assert_eq!(status, Some(0), "{err}");
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    for part in
-        ["ROLL: trim of roll moved by 0.0", "of full command to the right", "YAW: trim", "unit inertia"]
-    {
+    for part in ["ROLL: trim of roll moved by 0.0", "of full command to the right", "YAW: ", "unit inertia"] {
         assert!(text.contains(part), "no {part} in {text}");
     }
+    assert!(!text.contains("trim of yaw moved"), "{text}");
     let answer = compared(folder.path(), &["before.csv", "after.csv", "--axis", "roll", "--friction"]);
     assert_eq!(answer["axes"].as_array().unwrap().len(), 1);
     let trim = change(&answer, "roll", "trim");
     let ends: Vec<f64> =
         trim["difference"]["ci95"].as_array().unwrap().iter().filter_map(Value::as_f64).collect();
     assert!(trim["verdict"] == "changed" && ends[0] < 0.03 && 0.03 < ends[1], "{trim}");
-    assert!(change(&answer, "roll", "friction")["would_be_seen"].is_number());
+    assert_ne!(change(&answer, "roll", "friction")["verdict"], "changed");
     let same = compared(folder.path(), &["before.csv", "same.csv"]);
     for axis in ["roll", "yaw"] {
         for quantity in ["trim", "effectiveness", "damping", "lag_and_delay"] {
@@ -85,7 +84,6 @@ fn each_axis_is_compared_and_told_in_words() {
         (&["before.csv", "no.csv"], "no.csv: no such file"),
         (&["before.csv", "after.csv", "--flight", "2"], "--flight is for flight logs"),
         (&["before.csv", "after.csv", "--time", "90..99"], "its clock runs from 0.000"),
-        (&["before.csv", "after.csv", "--column", "u_norm=u_rol_norm"], "no column \"u_rol_norm\""),
     ] {
         let (status, out, err) = run(folder.path(), &[&["compare"], arguments].concat());
         assert_eq!((status, out.as_str()), (Some(2), ""), "{arguments:?}");

@@ -441,7 +441,7 @@ fn files_that_cannot_be_opened() {
 fn everything_that_is_wrong_with_a_file_is_told_in_one_run() {
     let cells = ["0.10,x,0.1", "0.12,0.01,1e99", "0.14,0.01", "0.16,ab,cd"];
     let replaced: Vec<(usize, &str)> = cells.iter().enumerate().map(|(k, row)| (k + 5, *row)).collect();
-    let error = refused(&file(HEADER, &replaced), &ReadOptions::default());
+    let error = refused(file(HEADER, &replaced), &ReadOptions::default());
     let message = error.to_string();
     assert_eq!((error.line, error.others().count()), (Some(7), 4), "{message}");
     for part in [
@@ -459,7 +459,7 @@ fn everything_that_is_wrong_with_a_file_is_told_in_one_run() {
     assert!(message.ends_with("also: and 40 more"), "{message}");
 
     let back = [(5, "0.01,0.01,0.1"), (15, "0.02,0.01,0.1")];
-    let error = refused(&file(HEADER, &back), &ReadOptions::default());
+    let error = refused(file(HEADER, &back), &ReadOptions::default());
     assert_eq!((error.line, error.others().count()), (Some(7), 1), "{error}");
     assert!(error.to_string().contains("also: line 17, column t_s"), "{error}");
 }

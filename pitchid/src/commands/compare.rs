@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Part::open(arguments, &arguments.before, 0, &options)?,
         Part::open(arguments, &arguments.after, 1, &options)?,
     ];
-    let axes: Vec<Option<Axis>> = arguments.axis.wanted(sides[0].axes(), sides[1].axes());
+    let axes: Vec<Option<Axis>> = arguments.axis.wanted(&sides[0].axes(), &sides[1].axes());
     let (mut answers, mut refusals) = (Vec::new(), Vec::new());
     for axis in axes {
         let read = |side: &Part| side.recording(axis, model.is_some());
@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         match pair {
             Ok([before, after]) => {
                 let say = |what: &str| {
-                    progress.say(&axis.map_or(what.to_owned(), |axis| format!("{axis}: {what}")))
+                    progress.say(&axis.map_or(what.to_owned(), |axis| format!("{axis}: {what}")));
                 };
                 let found = compare(&[before], &[after], model.as_ref(), arguments.friction, &say)?;
                 answers.push(AxisAnswer::new(axis, found));

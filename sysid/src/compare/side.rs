@@ -338,13 +338,14 @@ mod tests {
         thrust[200..500].fill(0.6);
         thrust[700..800].fill(0.6);
         assert_eq!(
-            flown(&thrust, &[0..1000], 0.01),
+            flown(&thrust, &[Range { start: 0, end: 1000 }], 0.01),
             None,
             "a flight of 1 s away from the ground is too short"
         );
         thrust[100..600].fill(0.6);
-        assert_eq!(flown(&thrust, &[0..1000], 0.01), Some(vec![200..500]));
-        assert_eq!(flown(&[0.5; 900], &[0..900], 0.01), None);
-        assert_eq!(flown(&[0.0; 900], &[0..900], 0.01), None);
+        let all = |rows: usize| [Range { start: 0, end: rows }];
+        assert_eq!(flown(&thrust, &all(1000), 0.01).as_deref(), Some(&[Range { start: 200, end: 500 }][..]));
+        assert_eq!(flown(&[0.5; 900], &all(900), 0.01), None);
+        assert_eq!(flown(&[0.0; 900], &all(900), 0.01), None);
     }
 }

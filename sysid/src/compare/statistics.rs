@@ -132,8 +132,7 @@ pub fn judge(pairs: &[([Measured; 2], f64)]) -> Vec<Difference> {
             };
         };
         let p = difference.p_value();
-        let z =
-            if p > 0.0 { Normal::standard().inverse_cdf(1.0 - 0.5 * p).min(LARGEST_Z) } else { LARGEST_Z };
+        let z = if p > 0.0 { (-Normal::standard().inverse_cdf(0.5 * p)).min(LARGEST_Z) } else { LARGEST_Z };
         let probability = probability(z, difference.deviation, pairs[i].1);
         let power = Normal::standard().inverse_cdf(POWER);
         let seen = (difference.quantile(level) + power) * difference.deviation;

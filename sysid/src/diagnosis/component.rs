@@ -103,7 +103,7 @@ fn stretches<'a>(
     picture: Picture,
 ) -> Option<Vec<Stretch<'a>>> {
     let mut terms = with.terms.clone();
-    terms.remove(index);
+    let id = terms.remove(index).effect.about().id;
     let without = Unpacked { terms, ..*with };
     let of_run = |(run, counted): (&'a Run, &'a Vec<bool>)| {
         let (full, less) = (problem.model(with, run.step)?, problem.model(&without, run.step)?);
@@ -112,7 +112,7 @@ fn stretches<'a>(
         let errors = less.innovations(run, &fewer, run.len(), |_, _| {})?;
         let mut rows: Vec<Row> = Vec::with_capacity(run.len());
         full.innovations(run, &gains, run.len(), |k, point| {
-            if let Some(part) = full.part(&less, index, point, run, k) {
+            if let Some(part) = full.part(&less, id, point, run, k) {
                 let moved = part.next.x[THETA] - point.x[THETA];
                 let falls = picture == Picture::Loop && moved < 0.0;
                 let command = filter.command(run, k);

@@ -142,7 +142,7 @@ pub fn diagnose_with(
         );
     }
     progress("holding out each section");
-    let judgement = Judgement::new(&problem, &parts, selection);
+    let judgement = Judgement::new(&problem, &parts, selection, data_checks::fed_back(&checks));
     with_checks(build(&judgement, notes()), checks)
 }
 

@@ -3,7 +3,7 @@
 use super::adequacy::{Test, failing, tests};
 use super::answer::Verdict;
 use super::gust::{Gust, gust};
-use super::levels::{ADEQUACY, HELD_OUT_ERRORS, HORIZONS_S, MATERIAL, WORTH_A_NAME};
+use super::levels::{ADEQUACY, HELD_OUT_ERRORS, HORIZONS_S, MATERIAL, SEEN_IN_A_LOOP, WORTH_A_NAME};
 use super::posterior::{Finding, Selection};
 use super::rotation::{Rotation, rotate};
 use super::verdict::Grounds;
@@ -44,8 +44,8 @@ pub struct Judgement<'p, 'd> {
 }
 
 impl<'p, 'd> Judgement<'p, 'd> {
-    /// Judges a selection.
-    pub fn new(problem: &'p Problem<'d>, parts: &'p [Part], selection: Selection) -> Self {
+    /// Judges a selection; `fed_back` where the loop was closed though the data do not say so.
+    pub fn new(problem: &'p Problem<'d>, parts: &'p [Part], selection: Selection, fed_back: bool) -> Self {
         let gain = |place: usize| selection.gain(problem, place);
         let gained_by_names = gain(selection.named);
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
@@ -74,11 +74,13 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let gust = gust(problem, fit);
         let findings = [&named[..], &shapes].concat();
         let rotation = rotate(problem, &selection, place, &findings, parts);
-        let chosen =
-            |finding: &Finding| rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen);
+        let chosen = |finding: &Finding| {
+            rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen_in_kind)
+        };
         let clear = |finding: &Finding| {
             let (gain, error) = rotation.gain(finding.effect.about().id).unwrap_or_default().log_likelihood;
-            gain > HELD_OUT_ERRORS * error
+            // What sets in at a moment, or beats, shows in few blocks: their spread says nothing of it.
+            finding.effect.about().variable == "t" || gain > HELD_OUT_ERRORS * error
         };
         let all: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
         let accounted = |finding: &Finding| {
@@ -101,6 +103,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             rivals: named.iter().any(|finding| !finding.rivals.is_empty()),
             unstable: named.iter().any(|finding| chosen(finding) == 0 || !clear(finding)),
             closed,
+            lost_in_the_loop: fed_back && ahead(&rotation) < SEEN_IN_A_LOOP,
             gained_by_names,
             gained_by_all,
             untold,
@@ -131,6 +134,12 @@ impl<'p, 'd> Judgement<'p, 'd> {
     pub fn extended(&self) -> &Fit {
         &self.selection.visited[self.place].fit
     }
+}
+
+/// VAF held out at the longest horizon, mean over the parts, per cent.
+fn ahead(rotation: &Rotation) -> f64 {
+    let last = rotation.parts.iter().filter_map(|part| part.extended.horizons.last());
+    last.map(|(vaf, _)| vaf).sum::<f64>() / rotation.parts.len().max(1) as f64
 }
 
 /// Share of what the baseline leaves of the motion at the longest horizon, the noise included, that the named terms close; 0

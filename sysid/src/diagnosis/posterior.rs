@@ -4,11 +4,12 @@
 //! P(term) = Σ_{M with the term} P(M | data) / Σ_M P(M | data)
 //! ```
 
-use super::levels::PLAUSIBLE;
+use super::levels::{LAG_HORIZON_S, PLAUSIBLE};
 use super::locate::indistinct;
 use crate::catalogue::shapes::SHAPES;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::Fit;
+use crate::likelihood::horizon::indistinct_ahead;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -172,6 +173,29 @@ impl Selection {
         }
     }
 
+    /// The model that has `effect` where `other`, which has as many names as `model`, has `rival`.
+    fn with_instead(
+        &self,
+        other: &Fit,
+        rival: &dyn Effect,
+        effect: &dyn Effect,
+        model: &Visited,
+    ) -> Option<&Fit> {
+        if names(other) != names(&model.fit) {
+            return None;
+        }
+        let mut wanted = other.ids();
+        wanted.retain(|id| *id != rival.about().id);
+        wanted.push(effect.about().id);
+        wanted.sort_unstable();
+        let all = self.visited.iter().map(|visited| &visited.fit);
+        all.into_iter().find(|fit| {
+            let mut ids = fit.ids();
+            ids.sort_unstable();
+            ids == wanted
+        })
+    }
+
     /// Named candidates that stand in the place of `effect` in models as probable as [`PLAUSIBLE`].
     fn rivals(
         &self,
@@ -188,8 +212,12 @@ impl Selection {
             let (Some(&rival), None) = (further.next(), further.next()) else { continue };
             let same_class = effect.class().is_some_and(|class| rival.class() == Some(class));
             let mut p = probability(other);
-            if same_class && other.fit.effects.len() == model.fit.effects.len() {
-                p = p.max(indistinct(problem, &model.fit, &other.fit));
+            if same_class && let Some(counterpart) = self.with_instead(&other.fit, rival, effect, model) {
+                p = p.max(indistinct(problem, counterpart, &other.fit));
+                // Without an angle nothing but the noise model tells a lag of the sensor from one of the actuator.
+                if !problem.data.has_angle {
+                    p = p.max(alike_ahead(problem, counterpart, &other.fit));
+                }
             }
             match rivals.iter_mut().find(|(known, ..)| known.about().id == rival.about().id) {
                 Some(known) if known.1 >= p => {}
@@ -201,6 +229,17 @@ impl Selection {
         rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
         rivals
     }
+}
+
+/// Number of terms with a name.
+fn names(fit: &Fit) -> usize {
+    fit.effects.iter().filter(|effect| !is_shape(**effect)).count()
+}
+
+/// Odds that two models predict alike a while ahead, where what the command does counts and not what the noise did.
+fn alike_ahead(problem: &Problem<'_>, model: &Fit, rival: &Fit) -> f64 {
+    let [model, rival] = [model, rival].map(|fit| problem.unpack(&fit.effects, &fit.minimum.values));
+    indistinct_ahead(problem, [&model, &rival], &problem.data.places(), LAG_HORIZON_S).unwrap_or(0.0)
 }
 
 /// Whether an effect is a shape without a name.

@@ -56,6 +56,8 @@ pub struct TermGain {
     pub vaf_points: (f64, f64),
     /// Rotations that chose it.
     pub chosen: usize,
+    /// Rotations that chose it or one of its rivals: that something of the kind is there.
+    pub chosen_in_kind: usize,
 }
 
 /// All rotations.
@@ -98,7 +100,7 @@ pub fn rotate(
     let models: Vec<usize> = (0..selection.visited.len()).filter(near).collect();
     let at = |i: usize| models.iter().position(|&m| m == i);
     let mut rotations = Vec::new();
-    let mut gains: Vec<Vec<(Vec<f64>, f64, bool)>> = vec![Vec::new(); findings.len()];
+    let mut gains: Vec<Vec<Turn>> = (0..findings.len()).map(|_| Vec::new()).collect();
     for (index, part) in parts.iter().enumerate() {
         let turned: Vec<Option<Turned>> =
             models.par_iter().map(|&m| turn(problem, selection, m, index, &part.places, divisor)).collect();
@@ -130,7 +132,10 @@ pub fn rotate(
                 vaf_over(problem, &problem.unpack(effects(m), &t.values), &part.places)
             };
             let points = free(place, with) - free(finding.without.unwrap_or(place), less);
-            gains.push((blocks, points, terms.contains(&finding.effect.about().id)));
+            let chosen = terms.contains(&finding.effect.about().id);
+            let in_kind =
+                chosen || finding.rivals.iter().any(|(rival, ..)| terms.contains(&rival.about().id));
+            gains.push(Turn { blocks, points, chosen, in_kind });
         }
         rotations.push(HeldOut {
             label: part.label.clone(),
@@ -146,19 +151,32 @@ pub fn rotate(
     Rotation { parts: rotations, gains: ids.zip(gains.iter().map(|turns| term_gain(turns))).collect() }
 }
 
-fn term_gain(turns: &[(Vec<f64>, f64, bool)]) -> TermGain {
+/// What one rotation says of a term.
+struct Turn {
+    /// Gain in 2 ln likelihood, block by block.
+    blocks: Vec<f64>,
+    /// Gain in VAF of the free run, points.
+    points: f64,
+    /// Whether it chose the term.
+    chosen: bool,
+    /// Whether it chose the term or one of its rivals.
+    in_kind: bool,
+}
+
+fn term_gain(turns: &[Turn]) -> TermGain {
     let error = |values: &[f64]| {
         let n = values.len().max(2) as f64;
         let mean = values.iter().sum::<f64>() / n;
         (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
     };
-    let blocks: Vec<f64> = turns.iter().flat_map(|t| t.0.iter().copied()).collect();
-    let points: Vec<f64> = turns.iter().map(|t| t.1).collect();
+    let blocks: Vec<f64> = turns.iter().flat_map(|t| t.blocks.iter().copied()).collect();
+    let points: Vec<f64> = turns.iter().map(|t| t.points).collect();
     let n = points.len().max(1) as f64;
     TermGain {
         log_likelihood: (blocks.iter().sum(), error(&blocks) * (blocks.len() as f64).sqrt()),
         vaf_points: (points.iter().sum::<f64>() / n, error(&points) / n.sqrt()),
-        chosen: turns.iter().filter(|t| t.2).count(),
+        chosen: turns.iter().filter(|t| t.chosen).count(),
+        chosen_in_kind: turns.iter().filter(|t| t.in_kind).count(),
     }
 }
 

@@ -257,7 +257,8 @@ impl Search<'_, '_> {
                     self.rounds.push(round);
                 }
             }
-            for simpler in self.visit_special_cases(current) {
+            // What a general term says may be its special case and another one.
+            for simpler in self.visit_instead(current, |general, e| general.generalises(e)) {
                 if !self.rounds.iter().any(|round| round.before == simpler) {
                     let round = self.one_more(simpler, &self.candidates.named.clone());
                     self.rounds.push(round);
@@ -270,6 +271,10 @@ impl Search<'_, '_> {
             }
             current = self.settle(best);
         }
+        if !self.problem.data.has_angle {
+            // Lags of sensor and actuator show alike: whichever was found first, the others are asked in its place.
+            self.visit_instead(current, |one, e| one.class().is_some() && one.class() == e.class());
+        }
         current
     }
 
@@ -281,24 +286,27 @@ impl Search<'_, '_> {
         fits.into_iter().filter_map(|fit| self.visit(fit)).collect()
     }
 
-    /// The model at `place` with the special case of a term in its stead: what the term says may be two things.
-    fn visit_special_cases(&mut self, place: usize) -> Vec<usize> {
+    /// The model at `place` with every candidate in the place of a term that `stands` for it.
+    fn visit_instead(
+        &mut self,
+        place: usize,
+        stands: impl Fn(&dyn Effect, &dyn Effect) -> bool,
+    ) -> Vec<usize> {
         let fit = self.visited[place].fit.clone();
         let mut pairs: Vec<(usize, &'static dyn Effect)> = Vec::new();
-        for (i, general) in fit.effects.iter().enumerate() {
-            let special =
-                |e: &&'static dyn Effect| general.generalises(*e) && fit.position(e.about().id).is_none();
-            pairs.extend(self.candidates.named.iter().copied().filter(special).map(|simple| (i, simple)));
+        for (i, term) in fit.effects.iter().enumerate() {
+            let other = |e: &&'static dyn Effect| stands(*term, *e) && fit.position(e.about().id).is_none();
+            pairs.extend(self.candidates.named.iter().copied().filter(other).map(|other| (i, other)));
         }
         let fits: Vec<Fit> = pairs
             .into_iter()
-            .filter_map(|(i, simple)| {
+            .filter_map(|(i, other)| {
                 let mut effects = fit.effects.clone();
                 let mut values = fit.minimum.values.clone();
                 values.drain(fit.own_range(self.problem, i));
                 effects.remove(i);
-                effects.push(simple);
-                let starts = simple.starts(&self.problem.sizes).into_iter();
+                effects.push(other);
+                let starts = other.starts(&self.problem.sizes).into_iter();
                 let fits = starts.filter_map(|own| {
                     fit_from(self.problem, &effects, &[&values[..], &own].concat(), SKETCH)
                 });

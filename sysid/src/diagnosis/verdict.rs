@@ -19,6 +19,8 @@ pub struct Grounds {
     /// Whether a named term is chosen by none of the rotations (without any one of the sections it is not seen), or gains no more
     /// on held-out data than chance gives.
     pub unstable: bool,
+    /// Whether the loop was closed unsaid, and most of the motion 1 s ahead is not explained.
+    pub lost_in_the_loop: bool,
     /// Share of what the baseline leaves of the motion, the noise included, that the named terms close in prediction.
     pub closed: f64,
     /// What the named terms alone gain.
@@ -50,7 +52,7 @@ impl Grounds {
             let missing = self.shapes > 0 || self.untold > 0.0;
             return if missing { Verdict::Unlisted } else { Verdict::NoMismatch };
         }
-        if self.unstable || self.share_of_names() < MATERIAL {
+        if self.unstable || self.lost_in_the_loop || self.share_of_names() < MATERIAL {
             Verdict::Unlisted
         } else if self.rivals {
             Verdict::Ambiguous

@@ -24,6 +24,39 @@ pub fn horizon_vaf(
     places: &[Place],
     horizons: &[f64],
 ) -> Option<Vec<(f64, f64)>> {
+    let sums = sums_by_block(problem, unpacked, places, horizons)?;
+    Some(sums.iter().map(|blocks| ratio(blocks)).collect())
+}
+
+/// Odds that predictions `horizon` s ahead of a model as good as `rival` look as much worse than those of `model` by chance: the
+/// squared errors block by block, against the spread of their differences (Diebold and Mariano, J. Bus. Econ. Stat. 13, 1995).
+/// `None` where one of them diverges.
+pub fn indistinct_ahead(
+    problem: &Problem<'_>,
+    [model, rival]: [&Unpacked; 2],
+    places: &[Place],
+    horizon: f64,
+) -> Option<f64> {
+    let of = |unpacked: &Unpacked| sums_by_block(problem, unpacked, places, &[horizon])?.pop();
+    let (model, rival) = (of(model)?, of(rival)?);
+    let differences: Vec<f64> = model.iter().zip(&rival).map(|(a, b)| b.1[0] - a.1[0]).collect();
+    let n = differences.len().max(2) as f64;
+    let mean = differences.iter().sum::<f64>() / n;
+    let spread = (differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    let score = mean * n.sqrt() / spread.max(f64::MIN_POSITIVE);
+    Some(0.5 * statrs::function::erf::erfc(score / std::f64::consts::SQRT_2))
+}
+
+/// Sums of a block.
+type Block = (usize, [f64; 2]);
+
+/// For each of `horizons`, squared errors and squared deviations from the mean, block by block.
+fn sums_by_block(
+    problem: &Problem<'_>,
+    unpacked: &Unpacked,
+    places: &[Place],
+    horizons: &[f64],
+) -> Option<Vec<Vec<Block>>> {
     let mut starts: Vec<(usize, usize, Point)> = Vec::new();
     let visit = |run: usize, k: usize, point: &Point| {
         let stride = (STRIDE_S / problem.data.runs[run].step).round().max(1.0) as usize;
@@ -36,7 +69,7 @@ pub fn horizon_vaf(
     };
     problem.track(unpacked, visit, &mut |_, _| {})?;
     let mean = mean_of(problem, places);
-    let mut sums: Vec<Vec<(usize, [f64; 2])>> = vec![Vec::new(); horizons.len()];
+    let mut sums: Vec<Vec<Block>> = vec![Vec::new(); horizons.len()];
     let mut model = None;
     for (place, start, mut point) in starts {
         let run = &problem.data.runs[places[place].run];
@@ -70,7 +103,7 @@ pub fn horizon_vaf(
             }
         }
     }
-    Some(sums.iter().map(|blocks| ratio(blocks)).collect())
+    Some(sums)
 }
 
 fn mean_of(problem: &Problem<'_>, places: &[Place]) -> f64 {
@@ -79,7 +112,7 @@ fn mean_of(problem: &Problem<'_>, places: &[Place]) -> f64 {
 }
 
 /// 100 (1 − Σ a / Σ b) over blocks, and its standard error (ratio of means; Cochran, Sampling Techniques, 1977, eq. 2.46).
-fn ratio(blocks: &[(usize, [f64; 2])]) -> (f64, f64) {
+fn ratio(blocks: &[Block]) -> (f64, f64) {
     let total = blocks.iter().fold([0.0, 0.0], |s, (_, b)| [s[0] + b[0], s[1] + b[1]]);
     if total[1] <= 0.0 {
         return (0.0, 0.0);

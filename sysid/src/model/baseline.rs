@@ -44,7 +44,7 @@ impl Baseline {
 /// ∂M/∂u per unit inertia, roughly, by a regression of the measured motion alone: nothing is known of the plant there, and
 /// no missing physics bends it by more than a small factor.
 pub fn rough_gain(data: &Dataset) -> f64 {
-    regression(data).dm_du
+    regressions(data)[0].dm_du
 }
 
 /// Values to start from for a rig of unknown inertia: least squares over m samples, over which q decorrelates a little, and over
@@ -57,30 +57,49 @@ pub fn rough_gain(data: &Dataset) -> f64 {
 /// or, where the angle's share in it halves the error, of angle and rate together: a plant that swings has a damping and a gain
 /// that the first line does not show.
 fn regression(data: &Dataset) -> Plant {
+    let [turning, swinging] = regressions(data);
+    let best = if swinging.error < 0.5 * turning.error { swinging } else { turning };
+    Plant { inertia: 1.0, dm_dq: best.dm_dq, dm_du: best.dm_du, delay: best.delay, mount: None }
+}
+
+/// What a regression has found.
+struct Regression {
+    /// Mean square error of the rate; infinite where there is no such plant.
+    error: f64,
+    dm_dq: f64,
+    dm_du: f64,
+    delay: f64,
+}
+
+/// Of the rate alone, and of angle and rate.
+fn regressions(data: &Dataset) -> [Regression; 2] {
     let step = data.runs.first().map_or(0.02, |run| run.step);
     let rates: Vec<Vec<f64>> = data.runs.iter().map(crate::dataset::Run::rate_or_slope).collect();
     let stride = decorrelation(&rates).min((0.1 / step).ceil() as usize).max(1);
     let longest = (0.15 / step).ceil() as usize;
     let span = stride as f64 * step;
-    let (mut best, mut swinging) = ((f64::INFINITY, -1.0, 1.0, 0.0), (f64::INFINITY, -1.0, 1.0, 0.0));
-    for delay in 0..=longest {
-        let lag = delay as f64 * step;
-        if let Some((error, [a, b])) = turning(data, &rates, stride, delay)
-            && error < best.0
-        {
+    let none = || Regression { error: f64::INFINITY, dm_dq: -1.0, dm_du: 1.0, delay: 0.0 };
+    let mut best = [none(), none()];
+    for rows in 0..=longest {
+        let delay = rows as f64 * step;
+        let of_rate = turning(data, &rates, stride, rows).map(|(error, [a, b])| {
             let a = a.clamp(0.05, 0.999);
             let decay = -a.ln() / span;
-            best = (error, -decay, b * decay / (1.0 - a), lag);
-        }
-        if let Some((error, transition, input)) = swing(data, &rates, stride, delay)
-            && error < swinging.0
-            && let Some((damping, gain)) = continuous(&transition, &input, span)
-        {
-            swinging = (error, damping, gain, lag);
+            Regression { error, dm_dq: -decay, dm_du: b * decay / (1.0 - a), delay }
+        });
+        let of_both = swing(data, &rates, stride, rows).and_then(|(error, transition, input)| {
+            let (dm_dq, dm_du) = continuous(&transition, &input, span)?;
+            Some(Regression { error, dm_dq, dm_du, delay })
+        });
+        for (best, found) in best.iter_mut().zip([of_rate, of_both]) {
+            if let Some(found) = found
+                && found.error < best.error
+            {
+                *best = found;
+            }
         }
     }
-    let (_, dm_dq, dm_du, delay) = if swinging.0 < 0.5 * best.0 { swinging } else { best };
-    Plant { inertia: 1.0, dm_dq, dm_du, delay, mount: None }
+    best
 }
 
 /// Rows of a regression: rate (or angle and rate) and mean input at k, and what they have become m samples later.
@@ -142,7 +161,7 @@ fn swing(
 fn continuous(transition: &Matrix2<f64>, input: &Vector2<f64>, span: f64) -> Option<(f64, f64)> {
     let (half, product) = (0.5 * transition.trace(), transition.determinant());
     let imaginary = (product - half * half).sqrt();
-    if !(imaginary > 0.0) {
+    if imaginary.is_nan() || imaginary <= 0.0 {
         return None;
     }
     let turn = imaginary.atan2(half) / imaginary;

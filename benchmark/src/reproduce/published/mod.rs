@@ -3,11 +3,10 @@
 //!
 //! 1. The diagnosis of (the first rows of) the training data gives a plant and named terms; where the rig is an oscillator, it
 //!    is asked what a linear one, fitted to the training data by output error, leaves out.
-//! 2. Plant and terms that are the answer, not its remainder, are fitted again by their one-step prediction: without the
-//!    remainder their values differ. From there they are fitted by output error to three quarters of (the first rows of) the training data, and judged by the free
-//!    run over the rest. A term without which that is no worse is dropped; one without a name is not used.
-//! 3. What is left is fitted by output error to all training data.
-//! 4. Free run over the test data from the state that the first rows of it give; RMSE over the rows after them.
+//! 2. Plant and terms that are the answer, not its remainder nor those without a name, and a constant moment, are fitted to all
+//!    training data: by the diagnosis as it is, by one-step prediction, and by output error from either. That with the least
+//!    free-run error over the training data is taken.
+//! 3. Free run over the test data from the state that the first rows of it give; RMSE over the rows after them.
 
 pub mod page;
 mod piece;
@@ -16,7 +15,7 @@ mod simulation;
 use crate::{Error, files};
 use piece::Piece;
 use serde::Serialize;
-use simulation::Simulation;
+use simulation::{CONSTANT, Simulation};
 use std::path::Path;
 use sysid::catalogue::model_file::model_file;
 use sysid::dataset::Dataset;
@@ -26,11 +25,6 @@ use sysid::likelihood::problem::{Problem, Unpacked};
 use sysid::model::baseline::Baseline;
 use sysid::model::file::{EffectEntry, ModelFile, PlantSection};
 use sysid::recording::{InputHold, ReadOptions, Recording, parse};
-
-/// Share of the training data that terms are fitted to while they are chosen.
-const CHOOSING: f64 = 0.75;
-/// A term stays if without it the error on the last quarter is larger by this share.
-const WORTH: f64 = 0.02;
 
 /// A benchmark: its files and its protocol.
 pub struct Benchmark {
@@ -45,9 +39,8 @@ pub struct Benchmark {
     hold: InputHold,
     /// Natural frequency (rad/s) and damping (1/s) of the linear oscillator that a fit of the user's model starts from.
     oscillator: Option<[f64; 2]>,
-    /// Rows of the training data that are diagnosed, and by which terms are chosen.
+    /// Rows of the training data that are diagnosed.
     diagnosed: usize,
-    choosing: usize,
     /// Parts into which a sample is cut for the simulation.
     finer: usize,
     /// Samples that give the state at the start of a test.
@@ -85,7 +78,6 @@ pub const BENCHMARKS: [Benchmark; 2] = [
         hold: InputHold::Held,
         oscillator: None,
         diagnosed: EVERY,
-        choosing: EVERY,
         finer: 1,
         initialisation: 20,
     },
@@ -121,7 +113,6 @@ pub const BENCHMARKS: [Benchmark; 2] = [
         hold: InputHold::Interpolated,
         oscillator: Some([425.0, 30.0]),
         diagnosed: 4_096,
-        choosing: 8_192,
         finer: 8,
         initialisation: 50,
     },
@@ -140,8 +131,8 @@ pub struct Outcome {
     pub diagnosed: Vec<(String, [usize; 2])>,
     /// Rows of the training data that were diagnosed.
     pub diagnosed_rows: usize,
-    /// Free-run error on the last quarter of the training data: with all terms, then with those that were dropped one by one.
-    pub chosen_by: Vec<(String, f64)>,
+    /// Free-run error over the training data by each way of fitting.
+    pub fits: Vec<(&'static str, f64)>,
     /// The model that was simulated: parameters by name.
     pub model: Vec<(String, f64)>,
     /// Error of its free run over the training data.
@@ -187,24 +178,37 @@ impl Benchmark {
         let train = self.read(data, self.train, EVERY)?;
         let first = self.read(data, self.train, self.diagnosed)?;
         let rows = train.t.len();
-        let choosing = self.choosing.min(rows);
-        let cut = (CHOOSING * choosing as f64) as usize;
-        let [learnt, judged, all] =
-            [0..cut, cut..choosing, 0..rows].map(|rows| Piece::new(&train, rows, self.finer));
+        let all = Piece::new(&train, 0..rows, self.finer);
         say(&format!("{}: diagnosing the training data", self.name));
-        let model = self.oscillator.map(|of| self.oscillator(of, &train, &learnt)).transpose()?;
+        let model = self.oscillator.map(|of| self.oscillator(of, &train, &all)).transpose()?;
         let found = diagnose(std::slice::from_ref(&first), model.as_ref(), &|_| {})?;
         let verdict = serde_json::to_value(found.answer.verdict).ok();
-        say(&format!("{}: choosing terms by free runs over held-out training data", self.name));
         let answer = &found.answer;
         let given = model.iter().flat_map(|model| &model.effects).map(|effect| effect.id.as_str());
         let ids: Vec<&str> = given.chain(answer.effects.iter().map(|effect| effect.id.as_str())).collect();
         let mut named = found.model;
         named.effects.retain(|effect| effect.shape.is_none() && ids.contains(&effect.id.as_str()));
-        let start = self.predicting(&named, &train)?;
-        let (chosen, chosen_by) = self.chosen(start, &learnt, &judged)?;
         say(&format!("{}: fitting to all training data", self.name));
-        let fitted = chosen.fitted(&all, self.initialisation).ok_or_else(|| self.diverged(self.train))?;
+        let diagnosed = simulation(&named, &train)?;
+        let predicted = self.predicting(&named, &train)?;
+        let by_output_error = |start: &Simulation| start.fitted(&all, self.initialisation);
+        let ways = [
+            ("as diagnosed", Some(diagnosed.clone())),
+            ("one-step prediction", Some(predicted.clone())),
+            ("output error from the diagnosis", by_output_error(&diagnosed)),
+            ("output error from the prediction", by_output_error(&predicted)),
+        ];
+        let mut tried: Vec<(&'static str, Simulation, f64)> = ways
+            .into_iter()
+            .filter_map(|(way, fitted)| {
+                let fitted = fitted?;
+                let error = fitted.error(&all, self.initialisation, all.len())?;
+                Some((way, fitted, self.unit.1 * error))
+            })
+            .collect();
+        tried.sort_by(|a, b| a.2.total_cmp(&b.2));
+        let fits = tried.iter().map(|(way, _, error)| (*way, *error)).collect();
+        let (_, fitted, training) = tried.into_iter().next().ok_or_else(|| self.diverged(self.train))?;
         let linear = self.linear(&fitted, &all)?;
         let error = |simulation: &Simulation, piece: &Piece, end: usize| {
             simulation.error(piece, self.initialisation, end).ok_or_else(|| self.diverged("a free run"))
@@ -232,9 +236,9 @@ impl Benchmark {
             verdict: verdict.and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default(),
             diagnosed: answer.fit.chosen_in.clone().into_iter().collect(),
             diagnosed_rows: first.t.len(),
-            chosen_by: chosen_by.into_iter().map(|(what, error)| (what, scale * error)).collect(),
+            fits,
             model: parameters(&fitted),
-            train: scale * error(&fitted, &all, all.len())?,
+            train: training,
             tests,
         })
     }
@@ -247,38 +251,7 @@ impl Benchmark {
         let problem = Problem::new(&data, &baseline, &[]);
         let fit = fit_baseline(&problem).ok_or_else(|| self.diverged("the prediction"))?;
         let Unpacked { plant, terms, .. } = problem.unpack(&[], &fit.minimum.values);
-        Ok(Simulation { sizes: data.amplitudes(plant.dm_du), plant, terms, offset: 0.0 })
-    }
-
-    /// Drops terms one by one while the free run over `judged`, of the model fitted to `learnt`, is hardly worse for it.
-    fn chosen(
-        &self,
-        start: Simulation,
-        learnt: &Piece,
-        judged: &Piece,
-    ) -> Result<(Simulation, Vec<(String, f64)>), Error> {
-        let tried = |simulation: &Simulation| {
-            let fitted = simulation.fitted(learnt, self.initialisation)?;
-            let error = fitted.error(judged, self.initialisation, judged.len())?;
-            Some((fitted, error))
-        };
-        let (mut best, mut error) = tried(&start).ok_or_else(|| self.diverged(self.train))?;
-        let mut said = vec![("all terms".to_owned(), error)];
-        loop {
-            let less = (0..best.terms.len()).filter_map(|i| {
-                let mut less = best.clone();
-                let dropped = less.terms.remove(i).effect.about().id;
-                let (fitted, error) = tried(&less)?;
-                Some((dropped, fitted, error))
-            });
-            let Some((dropped, fitted, without)) = less.min_by(|a, b| a.2.total_cmp(&b.2)) else { break };
-            said.push((format!("without {dropped}"), without));
-            if without > (1.0 + WORTH) * error {
-                break;
-            }
-            (best, error) = (fitted, without.min(error));
-        }
-        Ok((best, said))
+        Ok(Simulation::new(plant, terms, data.amplitudes(plant.dm_du)))
     }
 
     /// The linear oscillator nearest to `piece`, as the user's model.
@@ -306,7 +279,9 @@ impl Benchmark {
         };
         let start = ModelFile { plant, effects: vec![spring], intervals: Default::default() };
         let fitted = simulation(&start, train)?.fitted(piece, self.initialisation);
-        let Simulation { plant, terms, .. } = fitted.ok_or_else(|| self.diverged("the linear oscillator"))?;
+        let Simulation { plant, mut terms, .. } =
+            fitted.ok_or_else(|| self.diverged("the linear oscillator"))?;
+        terms.retain(|term| term.effect.about().id == SPRING);
         // The delay is estimated again.
         let mut model = model_file(&plant, &terms, train.t[0]);
         model.plant.delay_s = None;
@@ -316,7 +291,10 @@ impl Benchmark {
     /// The same plant with nothing beside it but the oscillator's spring.
     fn linear(&self, fitted: &Simulation, all: &Piece) -> Result<Simulation, Error> {
         let mut linear = fitted.clone();
-        linear.terms.retain(|term| self.oscillator.is_some() && term.effect.about().id == SPRING);
+        linear.terms.retain(|term| {
+            let id = term.effect.about().id;
+            id == CONSTANT || self.oscillator.is_some() && id == SPRING
+        });
         linear.fitted(all, self.initialisation).ok_or_else(|| self.diverged("the plant alone"))
     }
 
@@ -352,18 +330,14 @@ impl Benchmark {
 fn simulation(model: &ModelFile, train: &Recording) -> Result<Simulation, Error> {
     let data = Dataset::new(std::slice::from_ref(train))?;
     let Baseline { plant, terms, .. } = Baseline::from_model(model, &data)?;
-    Ok(Simulation { sizes: data.amplitudes(plant.dm_du), plant, terms, offset: 0.0 })
+    Ok(Simulation::new(plant, terms, data.amplitudes(plant.dm_du)))
 }
 
 /// Parameters by name.
 fn parameters(simulation: &Simulation) -> Vec<(String, f64)> {
     let plant = &simulation.plant;
-    let mut all = vec![
-        ("dM_dq".to_owned(), plant.dm_dq),
-        ("dM_du".into(), plant.dm_du),
-        ("delay".into(), plant.delay),
-        ("offset".into(), simulation.offset),
-    ];
+    let mut all =
+        vec![("dM_dq".to_owned(), plant.dm_dq), ("dM_du".into(), plant.dm_du), ("delay".into(), plant.delay)];
     for term in &simulation.terms {
         let id = term.effect.about().id;
         let names = term.effect.parameters(&simulation.sizes);

@@ -34,19 +34,18 @@ pub fn rows(outcomes: &[Outcome]) -> Vec<Vec<String>> {
 pub fn told(outcome: &Outcome) -> String {
     let named: Vec<String> =
         outcome.diagnosed.iter().map(|(id, [chosen, of])| format!("{id} ({chosen} of {of})")).collect();
-    let steps: Vec<String> =
-        outcome.chosen_by.iter().map(|(what, error)| format!("{what} {error:.3}")).collect();
+    let fits: Vec<String> = outcome.fits.iter().map(|(way, error)| format!("{way} {error:.3}")).collect();
     let model: Vec<String> =
         outcome.model.iter().map(|(name, value)| format!("{name} = {value:.5e}")).collect();
     format!(
-        "{}: diagnosis of {} training rows: {}, with {} (rotations that chose it). Free run over the last quarter of the \
+        "{}: diagnosis of {} training rows: {}, with {} (rotations that chose it). Free run over all \
          training data, {}: {}. Model: {}. Training error {:.3} {}.",
         outcome.name,
         outcome.diagnosed_rows,
         outcome.verdict,
         if named.is_empty() { "nothing".into() } else { named.join(", ") },
         outcome.unit,
-        steps.join("; "),
+        fits.join("; "),
         model.join(", "),
         outcome.train,
         outcome.unit,

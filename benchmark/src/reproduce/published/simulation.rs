@@ -1,10 +1,11 @@
 //! The model in a free run at full rate, and its parameters by output error.
 //!
 //! ```text
-//! y_k = θ_k + o + e_k        min over parameters, o and the state at the start of Σ e_k²
+//! y_k = θ_k + e_k        min over parameters and the state at the start of Σ e_k²
 //! ```
 
 use super::piece::Piece;
+use sysid::catalogue::find;
 use sysid::dataset::Amplitudes;
 use sysid::model::effect::Scale;
 use sysid::model::noise::Disturbance;
@@ -16,8 +17,10 @@ use sysid::optim::levenberg_marquardt::{Coordinate, Effort, minimize};
 const NO_NOISE: Disturbance =
     Disturbance { intensity: 0.0, frequency: 1.0, damping: 1.0, zero: 0.0, angle_noise: 1.0, third: None };
 const EFFORT: Effort = Effort { iterations: 80, tolerance: 0.05 };
-/// Unknowns before those of the terms: ∂M/∂q, ∂M/∂u, delay, offset, rate and angle at the start.
-const FIRST: usize = 6;
+/// Unknowns before those of the terms: ∂M/∂q, ∂M/∂u, delay, rate and angle at the start.
+const FIRST: usize = 5;
+/// A moment that every rig may have: its sensors and drives have offsets.
+pub const CONSTANT: &str = "trim_offset";
 /// Bounds of the catalogue are those of vehicles; of other rigs they are so many times wider.
 const WIDER: f64 = 100.0;
 
@@ -28,20 +31,28 @@ pub struct Simulation {
     pub plant: Plant,
     /// Physics beside it.
     pub terms: Vec<Term>,
-    /// What the measurement has beside the position.
-    pub offset: f64,
     /// Sizes of the signals that it was fitted to.
     pub sizes: Amplitudes,
 }
 
 impl Simulation {
+    /// A plant with terms, and a constant moment where they have none. `sizes` are those of the signals.
+    pub fn new(plant: Plant, mut terms: Vec<Term>, sizes: Amplitudes) -> Self {
+        if let Some(effect) = find(CONSTANT)
+            && terms.iter().all(|term| term.effect.about().id != CONSTANT)
+        {
+            terms.push(Term { effect, values: vec![0.0] });
+        }
+        Self { plant, terms, sizes }
+    }
+
     /// Free run over `piece` from rate and position at its first sample. `None` where it diverges.
     pub fn run(&self, piece: &Piece, start: [f64; 2], samples: usize) -> Option<Vec<f64>> {
         let model = PitchModel::new(&self.plant, &self.terms, &NO_NOISE, piece.run.step, &self.sizes)?;
         let mut point = model.start(&piece.run);
         (point.x[Q], point.x[THETA]) = (start[0], start[1]);
         let fine = model.simulate(&piece.run, 0..samples * piece.finer, point)?;
-        Some(fine.iter().step_by(piece.finer).map(|y| y[1] + self.offset).collect())
+        Some(fine.iter().step_by(piece.finer).map(|y| y[1]).collect())
     }
 
     fn errors(&self, piece: &Piece, start: [f64; 2], samples: usize) -> Option<Vec<[f64; 2]>> {
@@ -62,7 +73,7 @@ impl Simulation {
     fn guess(&self, piece: &Piece, samples: usize) -> [f64; 2] {
         let last = samples.clamp(2, piece.len()) - 1;
         let time = last as f64 * piece.run.step * piece.finer as f64;
-        [(piece.y[last] - piece.y[0]) / time, piece.y[0] - self.offset]
+        [(piece.y[last] - piece.y[0]) / time, piece.y[0]]
     }
 
     /// Root mean square error of the free run after `samples` of initialisation, up to sample `end`.
@@ -78,11 +89,10 @@ impl Simulation {
         let start = self.initialised(piece, samples)?;
         let own = self.terms.iter().flat_map(|term| term.values.iter().copied());
         let Plant { dm_dq, dm_du, delay, .. } = self.plant;
-        let values: Vec<f64> =
-            [dm_dq, dm_du, delay, self.offset, start[0], start[1]].into_iter().chain(own).collect();
+        let values: Vec<f64> = [dm_dq, dm_du, delay, start[0], start[1]].into_iter().chain(own).collect();
         let errors = |v: &[f64]| {
             let simulation = self.with(v);
-            simulation.errors(piece, [v[4], v[5]], piece.len())
+            simulation.errors(piece, [v[3], v[4]], piece.len())
         };
         let found = minimize(&errors, 1, &self.coordinates(), &values, EFFORT)?;
         Some(self.with(&found.values))
@@ -93,7 +103,6 @@ impl Simulation {
         next.plant.dm_dq = values[0];
         next.plant.dm_du = values[1];
         next.plant.delay = values[2];
-        next.offset = values[3];
         let own = next.terms.iter_mut().flat_map(|term| &mut term.values);
         own.zip(&values[FIRST..]).for_each(|(own, value)| *own = *value);
         next
@@ -105,7 +114,6 @@ impl Simulation {
             free("dM_dq", 0.1 * moment / q),
             free("dM_du", 0.1 * self.plant.dm_du.abs()),
             free("delay", 0.1 * step),
-            free("offset", 0.01 * theta),
             free("rate", 0.1 * q),
             free("position", 0.1 * theta),
         ];
@@ -131,7 +139,6 @@ fn free(name: &str, unit_step: f64) -> Coordinate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sysid::catalogue::find;
     use sysid::recording::{ReadOptions, parse};
 
     const STEP: f64 = 0.01;
@@ -158,7 +165,7 @@ mod tests {
         let sizes = Amplitudes { u: 1.3, q: 0.7, theta: 0.5, moment: 2.6, step: STEP, duration: 15.0 };
         let plant = Plant { inertia: 1.0, dm_dq: -1.0, dm_du: 1.7, delay: 0.0, mount: None };
         let terms = vec![Term { effect: find("coulomb_friction").unwrap(), values: vec![0.1] }];
-        Simulation { plant, terms, offset: 0.0, sizes }
+        Simulation::new(plant, terms, sizes)
     }
 
     #[test]
@@ -171,8 +178,8 @@ mod tests {
         }
         let (before, after) =
             (start().error(&piece, 20, 1500).unwrap(), fitted.error(&piece, 20, 1500).unwrap());
-        assert!(after < 0.02 * before && after < 0.005, "{before} {after}");
-        let without = Simulation { terms: Vec::new(), ..fitted };
+        assert!(after < 0.005 * before, "{before} {after}");
+        let without = Simulation::new(fitted.plant, Vec::new(), fitted.sizes);
         let linear = without.fitted(&piece, 20).unwrap().error(&piece, 20, 1500).unwrap();
         assert!(linear > 3.0 * after, "{linear} {after}");
     }

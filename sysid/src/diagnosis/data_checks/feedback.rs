@@ -45,7 +45,8 @@ const LEAST_SHARE: f64 = 0.005;
 const OVERRIDDEN: f64 = 0.5;
 /// Fewest samples that are tested.
 const FEWEST: usize = 200;
-const CAUSE: &str = "feedback";
+/// Name of the check.
+pub const CAUSE: &str = "feedback";
 
 /// What is known of each section's loop.
 #[derive(Default)]

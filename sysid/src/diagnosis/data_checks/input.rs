@@ -90,9 +90,9 @@ impl<'a> Response<'a> {
             digits(given)
         );
         let clear = gain.ci95[0] * gain.ci95[1] > 0.0;
-        let near = |factor: f64| clear && (ratio / factor).ln().abs() < NEAR;
+        let near = |factor: f64| (ratio / factor).ln().abs() < NEAR;
         let in_radians = self.recordings.iter().all(|r| r.u_unit == InputUnit::Rad);
-        let wrong = if in_radians && near(1.0 / DEGREES) {
+        let wrong = if in_radians && clear && near(1.0 / DEGREES) {
             Some(("the input is", vec![self.column()]))
         } else if near(DEGREES) && self.motion_is_large() {
             Some(("the measured motion is", MOTION.to_vec()))
@@ -104,7 +104,7 @@ impl<'a> Response<'a> {
             let words = format!("{what} in degrees where radians belong: {described}; read it with {advice}");
             return DataCheck::found(CAUSE, Gravity::Stops, words);
         }
-        if near(DEGREES) {
+        if clear && near(DEGREES) {
             let advice = self.option(&MOTION, 1.0 / DEGREES);
             return DataCheck::cannot_tell(
                 CAUSE,

@@ -130,6 +130,11 @@ pub fn stop(causes: &[DataCheck]) -> bool {
     causes.iter().any(DataCheck::stops)
 }
 
+/// Whether feedback was found where the data claim an open loop.
+pub fn fed_back(checks: &[DataCheck]) -> bool {
+    checks.iter().any(|check| check.cause == feedback::CAUSE && check.state == State::Found)
+}
+
 /// Writes the checks into an answer: its list, the beginning of its summary, and, where one stops the diagnosis, its
 /// verdict.
 pub fn write(answer: &mut Answer, checks: Vec<DataCheck>) {

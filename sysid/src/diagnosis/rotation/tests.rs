@@ -126,13 +126,15 @@ fn the_gain_in_likelihood_is_that_of_the_covariances() {
 
 #[test]
 fn a_terms_gain_is_summed_over_blocks_and_averaged_over_parts() {
-    let turns = [(vec![1.0, 3.0], 2.0, true), (vec![5.0, 7.0], 6.0, false)];
+    let turn =
+        |blocks: [f64; 2], points, chosen| Turn { blocks: blocks.into(), points, chosen, in_kind: true };
+    let turns = [turn([1.0, 3.0], 2.0, true), turn([5.0, 7.0], 6.0, false)];
     let gain = term_gain(&turns);
     // Sample deviation of 1, 3, 5, 7 is √(20/3), of 2, 6 it is √8.
     assert!((gain.log_likelihood.0 - 16.0).abs() < 1e-12);
     assert!((gain.log_likelihood.1 - 2.0 * (20.0_f64 / 3.0).sqrt()).abs() < 1e-12);
     assert!((gain.vaf_points.0 - 4.0).abs() < 1e-12 && (gain.vaf_points.1 - 2.0).abs() < 1e-12);
-    assert_eq!(gain.chosen, 1);
+    assert_eq!((gain.chosen, gain.chosen_in_kind), (1, 2));
     let none = term_gain(&[]);
     assert_eq!((none.log_likelihood, none.vaf_points, none.chosen), ((0.0, 0.0), (0.0, 0.0), 0));
 }

@@ -134,4 +134,5 @@ fn names_that_leave_next_to_nothing_of_the_motion_are_the_answer_whatever_is_sig
     assert_eq!(Grounds { closed: 0.97, ..left }.verdict(), Named);
     assert_eq!(Grounds { closed: 0.97, rivals: true, ..left }.verdict(), Ambiguous);
     assert_eq!(Grounds { closed: 0.97, unstable: true, ..left }.verdict(), Unlisted);
+    assert_eq!(Grounds { closed: 0.97, lost_in_the_loop: true, ..left }.verdict(), Unlisted);
 }

@@ -16,28 +16,29 @@ pub struct Part {
 }
 
 impl PitchModel<'_> {
-    /// The part of the term `index` between row `k` of `run`, where the model is at `point`, and the next; `without` is the
+    /// The part of the term called `id` between row `k` of `run`, where the model is at `point`, and the next; `without` is the
     /// same model without that term. `None` where either diverges.
     pub fn part(
         &self,
         without: &PitchModel<'_>,
-        index: usize,
+        id: &str,
         point: &Point,
         run: &Run,
         k: usize,
     ) -> Option<Part> {
-        let (mut next, mut other) = (*point, self.less(index, point));
+        let (mut next, mut other) = (*point, self.less(id, point));
         if !self.advance(&mut next, run, k) || !without.advance(&mut other, run, k) {
             return None;
         }
         let per_moment: f64 = self.per_moment_of_substep.iter().map(|response| response[Q]).sum();
-        let sensed = self.sensed(&next)[0] - without.sensed(&self.less(index, &next))[0];
+        let sensed = self.sensed(&next)[0] - without.sensed(&self.less(id, &next))[0];
         Some(Part { moment: (next.x[Q] - other.x[Q]) / per_moment, measured: sensed, next })
     }
 
-    /// `point` without the own states of the term `index`.
-    fn less(&self, index: usize, point: &Point) -> Point {
-        let own = self.terms[index].own.clone();
+    /// `point` without the own states of the term called `id`.
+    fn less(&self, id: &str, point: &Point) -> Point {
+        let own =
+            self.terms.iter().find(|term| term.effect.about().id == id).map_or(0..0, |term| term.own.clone());
         let mut less = *point;
         let kept = point.own.len() - own.len();
         less.own.copy_within(own.end.., own.start);
