@@ -39,7 +39,7 @@ impl Baseline {
         };
         let mut terms = model.effects.iter().map(term).collect::<Result<Vec<_>, Error>>()?;
         for term in &mut terms {
-            for moment in term.effect.begins_at().into_iter().chain(term.effect.ends_at()) {
+            for moment in term.effect.moments() {
                 term.values[moment] -= data.origin();
             }
         }
@@ -75,7 +75,7 @@ pub fn model_file(plant: &Plant, terms: &[Term], origin: f64) -> ModelFile {
             .iter()
             .map(|term| {
                 let mut term = term.clone();
-                for moment in term.effect.begins_at().into_iter().chain(term.effect.ends_at()) {
+                for moment in term.effect.moments() {
                     term.values[moment] += origin;
                 }
                 scaled_shape::entry(&term, &parameter_names(term.effect))

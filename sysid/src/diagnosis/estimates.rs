@@ -23,7 +23,7 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
             all[first + own].ci95 = ci95;
         }
         let origin = problem.data.origin();
-        for moment in effect.begins_at().into_iter().chain(effect.ends_at()) {
+        for moment in effect.moments() {
             let Estimate { value, ci95, .. } = &mut all[first + moment];
             *value += origin;
             *ci95 = ci95.map(|end| end + origin);

@@ -25,7 +25,7 @@ use super::fit::{Fit, weights};
 use super::problem::Problem;
 use crate::dataset::Place;
 use crate::optim::chord::Chord;
-use crate::optim::levenberg_marquardt::Coordinate;
+use crate::optim::levenberg_marquardt::{Coordinate, inner, weigh};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix2};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -276,14 +276,10 @@ fn row(
     hessian: &mut DMatrix<f64>,
     score: &mut DVector<f64>,
 ) {
-    let weigh = |e: &[f64; 2]| {
-        [weight[(0, 0)] * e[0] + weight[(0, 1)] * e[1], weight[(1, 0)] * e[0] + weight[(1, 1)] * e[1]]
-    };
-    let inner = |a: &[f64; 2], b: &[f64; 2]| a[0] * b[0] + a[1] * b[1];
-    let weighted_error = weigh(error);
+    let weighted_error = weigh(weight, error);
     for (a, &i) in free.iter().enumerate() {
         let slope = &slopes[i][index];
-        let weighted = weigh(slope);
+        let weighted = weigh(weight, slope);
         score[a] = inner(slope, &weighted_error);
         for (b, &j) in free.iter().enumerate().take(a + 1) {
             let entry = inner(&weighted, &slopes[j][index]);

@@ -44,7 +44,10 @@ impl Unpacked {
         let mut plant = self.plant;
         if plant.delay < 0.0 {
             // No loop answers before it is asked: the stamps do, and a file says so.
-            terms.push(Term { effect: &ExtraDelay, values: vec![plant.delay] });
+            match terms.iter_mut().find(|term| term.effect.about().id == ExtraDelay.about().id) {
+                Some(known) => known.values[0] += plant.delay,
+                None => terms.push(Term { effect: &ExtraDelay, values: vec![plant.delay] }),
+            }
             plant.delay = 0.0;
         }
         model_file(&plant, &terms, problem.data.origin())
@@ -153,8 +156,7 @@ impl<'a> Problem<'a> {
             let mut coordinate = coordinate_of(&p);
             coordinate.name = format!("{id}.{}", p.name);
             coordinate.log &= value > 0.0;
-            coordinate.bounds = if held || [term.effect.begins_at(), term.effect.ends_at()].contains(&Some(i))
-            {
+            coordinate.bounds = if held || term.effect.moments().any(|moment| moment == i) {
                 [value; 2]
             } else {
                 [coordinate.bounds[0].min(value), coordinate.bounds[1].max(value)]

@@ -283,3 +283,10 @@ pub trait Effect: Sync {
         y
     }
 }
+
+impl dyn Effect {
+    /// Indices of the parameters that are moments in time.
+    pub fn moments(&self) -> impl Iterator<Item = usize> + use<> {
+        self.begins_at().into_iter().chain(self.ends_at())
+    }
+}

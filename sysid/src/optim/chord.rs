@@ -1,7 +1,7 @@
 //! The chord method: many candidates' first steps share one Jacobian (Ortega and Rheinboldt, Iterative Solution of
 //! Nonlinear Equations, 1970, ch. 7).
 
-use super::levenberg_marquardt::{Coordinate, Residuals, Search, damped_step, dot};
+use super::levenberg_marquardt::{Coordinate, Residuals, Search, damped_step, dot, weigh};
 use crate::model::pitch::Output;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix2};
 
@@ -37,10 +37,6 @@ const DAMPINGS: [f64; 3] = [1e-3, 1e-1, 1e1];
 const INDEPENDENT: f64 = 1e-6;
 /// A start that moves the residuals by less than this share of their variance changes nothing.
 const NEUTRAL: f64 = 1e-9;
-
-fn weigh(w: &Matrix2<f64>, e: &Output) -> Output {
-    [w[(0, 0)] * e[0] + w[(0, 1)] * e[1], w[(1, 0)] * e[0] + w[(1, 1)] * e[1]]
-}
 
 impl Chord {
     /// The derivatives at `values`. `None` where the residuals have no finite answer there.
@@ -87,13 +83,8 @@ impl Chord {
         let at = search.evaluate(&z)?;
         let change: Vec<Output> =
             at.residuals.iter().zip(&self.residuals).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
-        let norm: f64 = change
-            .iter()
-            .map(|d| {
-                let w = weigh(&self.weight, d);
-                w[0] * d[0] + w[1] * d[1]
-            })
-            .sum();
+        let weighted: Vec<Output> = change.iter().map(|d| weigh(&self.weight, d)).collect();
+        let norm = dot(&change, &weighted);
         let count = change.len() as f64;
         if norm > NEUTRAL * count {
             return Some(self.score(&[change]));

@@ -287,9 +287,7 @@ impl Search<'_> {
         j: &[Vec<Output>],
     ) -> (DMatrix<f64>, DVector<f64>) {
         let n = j.len();
-        let w = at.weight;
-        let weighted =
-            |e: &Output| [w[(0, 0)] * e[0] + w[(0, 1)] * e[1], w[(1, 0)] * e[0] + w[(1, 1)] * e[1]];
+        let weighted = |e: &Output| weigh(&at.weight, e);
         let mut hessian = DMatrix::zeros(n, n);
         let mut gradient = DVector::zeros(n);
         let we: Vec<Output> = at.residuals.iter().map(weighted).collect();
@@ -363,12 +361,8 @@ impl Search<'_> {
     fn score_covariance(&self, at: &Evaluation, j: &[Vec<Output>], lag: usize) -> DMatrix<f64> {
         let n = j.len();
         let samples = at.residuals.len();
-        let w = at.weight;
-        let scores = DMatrix::from_fn(n, samples, |a, k| {
-            let e = at.residuals[k];
-            let we = [w[(0, 0)] * e[0] + w[(0, 1)] * e[1], w[(1, 0)] * e[0] + w[(1, 1)] * e[1]];
-            j[a][k][0] * we[0] + j[a][k][1] * we[1]
-        });
+        let weighted: Vec<Output> = at.residuals.iter().map(|e| weigh(&at.weight, e)).collect();
+        let scores = DMatrix::from_fn(n, samples, |a, k| inner(&j[a][k], &weighted[k]));
         let mut sum = &scores * scores.transpose();
         for l in 1..=lag.min(samples.saturating_sub(1)) {
             let weight = 1.0 - l as f64 / (lag + 1) as f64;
@@ -379,8 +373,19 @@ impl Search<'_> {
     }
 }
 
+/// W e.
+pub(crate) fn weigh(w: &Matrix2<f64>, e: &Output) -> Output {
+    [w[(0, 0)] * e[0] + w[(0, 1)] * e[1], w[(1, 0)] * e[0] + w[(1, 1)] * e[1]]
+}
+
+/// aᵀ b of one sample.
+pub(crate) fn inner(a: &Output, b: &Output) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Σ aᵀ b over the samples.
 pub(super) fn dot(a: &[Output], b: &[Output]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum()
+    a.iter().zip(b).map(|(a, b)| inner(a, b)).sum()
 }
 
 pub(super) fn damped_step(

@@ -144,3 +144,18 @@ fn an_answer_has_no_figure_that_json_cannot_hold() {
         }
     });
 }
+
+#[test]
+fn a_delay_below_zero_is_added_to_the_extra_delay_that_the_model_has() {
+    asked(&sprung(0.0, 0.0), |problem, baseline| {
+        let mut all =
+            problem.unpack(&effects(&["extra_delay"]), &[&baseline.minimum.values[..], &[0.05]].concat());
+        all.plant.delay = -0.02;
+        let file = all.to_model_file(problem);
+        let [entry] = &file.effects[..] else { panic!("{:?}", file.effects) };
+        assert!(
+            (entry.parameters["Delta"] - 0.03).abs() < 1e-12 && file.plant.delay_s == Some(0.0),
+            "{entry:?}"
+        );
+    });
+}
