@@ -105,6 +105,9 @@ const THINNED_STEP: f64 = 0.02;
 /// Samples kept within the time over which the rate's autocorrelation falls to 0.8.
 const SAMPLES_PER_DECORRELATION: usize = 3;
 
+/// Autocorrelation below which samples count as other ones.
+const DECORRELATED: f64 = 0.8;
+
 /// Samples until the autocorrelation of the rate falls below 0.8.
 pub fn decorrelation(rates: &[Vec<f64>]) -> usize {
     let at = |lag: usize| -> f64 {
@@ -112,7 +115,7 @@ pub fn decorrelation(rates: &[Vec<f64>]) -> usize {
     };
     let power = at(0);
     let longest = rates.iter().map(Vec::len).max().unwrap_or(1);
-    (1..longest.min(1000)).find(|&lag| at(lag) < 0.8 * power).unwrap_or(1)
+    (1..longest.min(1000)).find(|&lag| at(lag) < DECORRELATED * power).unwrap_or(1)
 }
 
 /// A section: where it is.
@@ -234,6 +237,11 @@ impl Dataset {
         columns().all(|values| values.is_some()) && columns().flatten().any(moves)
     }
 
+    /// Whether the input takes more than one value in any run.
+    pub fn input_changes(&self) -> bool {
+        self.runs.iter().any(|run| run.u.iter().any(|u| *u != run.u[0]))
+    }
+
     /// Number of samples of all runs.
     pub fn samples(&self) -> usize {
         self.runs.iter().map(Run::len).sum()
@@ -254,8 +262,9 @@ impl Dataset {
             .collect()
     }
 
-    /// Typical sizes of the signals, the control moment taken with `dm_du` N m per unit of the input.
-    pub fn amplitudes(&self, dm_du: f64) -> Amplitudes {
+    /// Typical sizes of the signals of a plant of `inertia` kg m² and `dm_du` N m per unit of the input. Where the input never
+    /// changes, moment and input are those that would move the rate as it moves.
+    pub fn amplitudes(&self, inertia: f64, dm_du: f64) -> Amplitudes {
         let u = deviation(self.runs.iter().map(|r| r.u.as_slice()));
         let step = self.runs.first().map_or(0.02, |r| r.step);
         let rate: Vec<Vec<f64>> = self.runs.iter().map(Run::rate_or_slope).collect();
@@ -263,7 +272,19 @@ impl Dataset {
         let q = deviation(rate.iter().map(Vec::as_slice));
         let theta = deviation(angle.iter().map(Vec::as_slice));
         let duration = self.runs.iter().map(|run| run.elapsed(run.len())).fold(step, f64::max);
-        Amplitudes { u, q, theta, moment: (dm_du * u).abs().max(f64::MIN_POSITIVE), step, duration }
+        if self.input_changes() {
+            return Amplitudes {
+                u,
+                q,
+                theta,
+                moment: (dm_du * u).abs().max(f64::MIN_POSITIVE),
+                step,
+                duration,
+            };
+        }
+        let quickness = DECORRELATED.acos() / (decorrelation(&rate) as f64 * step);
+        let moment = (inertia * q * quickness).max(f64::MIN_POSITIVE);
+        Amplitudes { u: moment / dm_du.abs().max(f64::MIN_POSITIVE), q, theta, moment, step, duration }
     }
 }
 

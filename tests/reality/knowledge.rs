@@ -46,7 +46,6 @@ fn a_users_servo_that_is_twice_too_slow_is_no_mismatch_and_said_so() {
 }
 
 #[test]
-#[ignore = "a placeholder of the gain is believed before the data"]
 fn a_placeholder_of_the_gain_is_no_evidence_for_degrees() {
     let table = logged(&bench(5, Vec::new()));
     for factor in [25.0, 57.3] {
@@ -80,14 +79,12 @@ fn a_normalised_input_without_a_model_is_per_unit_inertia_and_said_so() {
 }
 
 #[test]
-#[ignore = "inertia and mount of the paper's vehicle are assumed"]
 fn a_blade_angle_without_a_model_is_no_vehicle_of_a_paper() {
     let rigid = Bench { plant: Plant::nominal().rigid(), ..bench(7, Vec::new()) };
     is_per_unit_inertia_and_said_so(&logged(&rigid));
 }
 
 #[test]
-#[ignore = "the values to start from are written"]
 fn nothing_is_written_where_nothing_was_estimated() {
     let still = Bench { input: Input::Rest, duration_s: 20.0, ..Bench::new(8) };
     let diagnosis = ask(&[read(&logged(&still))], None);

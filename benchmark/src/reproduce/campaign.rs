@@ -1,6 +1,7 @@
 //! One identification campaign: three tests of rising amplitude, flown in the simulator and read back as recordings.
 
 use crate::Error;
+use crate::conceal::nominal;
 use host_sim::sensors::Noise;
 use host_sim::{Background, Plant, Scenario, Setting, fly};
 use serde::Serialize;
@@ -90,7 +91,9 @@ pub fn fly_campaign(condition: Condition, campaign: u8, seed: u64) -> Result<Cam
     let rows = split.training.iter().flat_map(|p| &data.runs[p.run].supervised[p.rows.clone()]);
     let (count, overridden) =
         rows.fold((0_u32, 0_u32), |(all, some), supervised| (all + 1, some + u32::from(*supervised)));
-    let baseline = Baseline::from_data(&data);
+    let mut model = nominal();
+    model.plant.delay_s = None;
+    let baseline = Baseline::from_model(&model, &data)?;
     Ok(Campaign { data, split, baseline, supervised: f64::from(overridden) / f64::from(count.max(1)) })
 }
 

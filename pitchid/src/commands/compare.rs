@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let axes: Vec<Option<Axis>> = arguments.axis.wanted(&sides[0].axes(), &sides[1].axes());
     let (mut answers, mut refusals) = (Vec::new(), Vec::new());
     for axis in axes {
-        let read = |side: &Part| side.recording(axis, model.is_some());
+        let read = |side: &Part| side.recording(axis);
         let pair = read(&sides[0]).and_then(|before| Ok([before, read(&sides[1])?]));
         match pair {
             Ok([before, after]) => {
@@ -172,9 +172,9 @@ impl<'a> Part<'a> {
         }
     }
 
-    fn recording(&self, axis: Option<Axis>, has_model: bool) -> Result<Recording, Failure> {
+    fn recording(&self, axis: Option<Axis>) -> Result<Recording, Failure> {
         match &self.what {
-            What::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), self.options, has_model),
+            What::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), self.options),
             What::Table(path) => {
                 let mut recording = recording_of(path, axis, self.options)?;
                 if let Some(TimeSpan { from, to }) = self.time {

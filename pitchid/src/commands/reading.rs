@@ -87,7 +87,7 @@ impl Reading {
         let mut flight = choose(flights, self.flight)?;
         flight.cut(self.time.as_ref())?;
         let axis = self.axis.unwrap_or(AxisName::Pitch);
-        recording(&flight, axis.into(), options, self.model.is_some())
+        recording(&flight, axis.into(), options)
     }
 
     /// Reads the user's model, with its name.

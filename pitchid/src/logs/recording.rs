@@ -111,12 +111,7 @@ fn unknown(log: &Log, option: &str, source: &str) -> Failure {
 }
 
 /// The recording of one axis of a flight.
-pub fn recording(
-    flight: &Flight,
-    axis: Axis,
-    options: &ReadOptions,
-    has_model: bool,
-) -> Result<Recording, Failure> {
+pub fn recording(flight: &Flight, axis: Axis, options: &ReadOptions) -> Result<Recording, Failure> {
     let log = &flight.log;
     let choice = choose_channels(log, axis, &options.columns)?;
     let proposal = &choice.proposal;
@@ -146,10 +141,6 @@ pub fn recording(
         told += &format!("; what is called pitch here is {axis}");
     }
     let mut notes = vec![told];
-    if !has_model {
-        let unit = "no model was given: unit inertia is assumed, moments are angular accelerations in rad/s²";
-        notes.push(unit.to_owned());
-    }
     if !u.by_hand {
         let loop_closed = "the input is what the autopilot's controller asks for: the loop is closed";
         notes.push(loop_closed.to_owned());

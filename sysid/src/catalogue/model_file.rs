@@ -5,7 +5,7 @@ use crate::catalogue::find;
 use crate::catalogue::scaled_shape::{self, UNLISTED};
 use crate::dataset::{Amplitudes, Dataset};
 use crate::error::{Error, ErrorKind};
-use crate::model::baseline::Baseline;
+use crate::model::baseline::{Baseline, is_likely_gain};
 use crate::model::effect::Effect;
 use crate::model::file::{EffectEntry, KnownEffect, ModelFile, PlantSection};
 use crate::model::pitch::{OWN_STATES, Term};
@@ -25,15 +25,15 @@ impl Baseline {
     pub fn from_model(model: &ModelFile, data: &Dataset) -> Result<Self, Error> {
         let fallback = Self::from_data(data).plant;
         let inertia = model.plant.inertia_kg_m2;
-        let scale = inertia / fallback.inertia;
+        let given = model.plant.dm_du.filter(|gain| is_likely_gain(data, gain / inertia));
         let mount = match (model.plant.mount_k, model.plant.mount_c, model.plant.mount_j) {
             (Some(stiffness), Some(damping), Some(inertia)) => Some(Mount { stiffness, damping, inertia }),
             _ => None,
         };
         let plant = Plant {
             inertia,
-            dm_dq: model.plant.dm_dq.unwrap_or(fallback.dm_dq * scale),
-            dm_du: model.plant.dm_du.unwrap_or(fallback.dm_du * scale),
+            dm_dq: model.plant.dm_dq.unwrap_or(fallback.dm_dq * inertia),
+            dm_du: given.unwrap_or(fallback.dm_du * inertia),
             delay: model.plant.delay_s.unwrap_or(fallback.delay),
             mount,
         };
@@ -51,11 +51,6 @@ impl Baseline {
                 .expecting(format!("at most {most} (lags have 1, modes 2, terms with a memory 3)")));
         }
         Ok(Self { plant, delay_free: model.plant.delay_s.is_none(), terms })
-    }
-
-    /// As a model file, for recordings whose clock starts at `origin`, s.
-    pub fn to_model_file(&self, origin: f64) -> ModelFile {
-        model_file(&self.plant, &self.terms, origin)
     }
 }
 

@@ -16,9 +16,9 @@ use crate::dataset::Dataset;
 use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::likelihood::problem::Problem;
-use crate::model::baseline::Baseline;
+use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::file::ModelFile;
-use crate::recording::{InputUnit, Recording};
+use crate::recording::Recording;
 use serde::Serialize;
 use side::Side;
 use statistics::{Difference, Verdict, judge};
@@ -133,12 +133,8 @@ pub fn compare(
         found.push(Side::new(&problem, mean, friction)?);
     }
     let inertia_known = model.is_some();
-    if !inertia_known && recordings.iter().flatten().next().is_some_and(|r| r.u_unit == InputUnit::Rad) {
-        notes.push("no model was given: inertia and mount are those of the reference vehicle".into());
-    } else if !inertia_known {
-        notes.push(
-            "no model was given: unit inertia is assumed, moments are angular accelerations in rad/s²".into(),
-        );
+    if !inertia_known {
+        notes.push(ASSUMED.into());
     }
     let [before, after] = [&found[0], &found[1]];
     let compared: Vec<(Quantity, [statistics::Measured; 2], f64)> = before

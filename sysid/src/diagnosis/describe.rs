@@ -5,7 +5,6 @@ use crate::catalogue::find;
 use crate::catalogue::shapes::SHAPES;
 use crate::dataset::Amplitudes;
 use crate::estimate::{Estimate, digits};
-use crate::model::baseline::Baseline;
 use crate::model::effect::Effect;
 use std::collections::BTreeMap;
 
@@ -143,19 +142,6 @@ fn in_a_phrase(effect: &EffectAnswer) -> String {
     let Some(known) = find(&effect.id) else { return effect.equation.clone() };
     let parameters: Vec<String> = effect.parameters.iter().map(in_words).collect();
     format!("{} ({}: {})", known.about().sentence, effect.id, parameters.join(", "))
-}
-
-/// What is assumed of the vehicle where the user gives no model.
-pub fn assumed(baseline: &Baseline) -> String {
-    let mount = if baseline.plant.mount.is_some() { " and its soft IMU mount" } else { "" };
-    if baseline.plant.inertia == 1.0 {
-        "no model was given: unit inertia is assumed, so every moment is per unit inertia (N m stands for rad/s^2)".into()
-    } else {
-        format!(
-            "no model was given: the inertia of the reference vehicle ({} kg m^2){mount} are assumed; give yours with --model",
-            digits(baseline.plant.inertia)
-        )
-    }
 }
 
 /// A term without a name, with its size.

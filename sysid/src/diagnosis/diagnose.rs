@@ -5,7 +5,6 @@ use super::building::{build, model_answer};
 use super::ceiling::ceilings;
 use super::component::Component;
 use super::data_checks::{self, DataCheck};
-use super::describe;
 use super::excitation;
 use super::judgement::Judgement;
 use super::levels::PARTS;
@@ -20,9 +19,9 @@ use crate::held_out::{Part, parts};
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::fit_baseline;
 use crate::likelihood::problem::Problem;
-use crate::model::baseline::Baseline;
+use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::effect::Effect;
-use crate::model::file::ModelFile;
+use crate::model::file::{ModelFile, PlantSection};
 use crate::recording::Recording;
 
 /// An answer with what a report shows beside it.
@@ -86,14 +85,15 @@ pub fn diagnose_with(
     let notes = || {
         let mut notes = data.notes(recordings);
         if model.is_none() {
-            notes.push(describe::assumed(&baseline));
+            notes.push(ASSUMED.into());
         }
         notes
     };
     let parts = parts(&data, PARTS);
     let problem = Problem::new(&data, &baseline, &[]);
     let unanswered = |fitted: Option<&Visited>, verdict, summary, location| {
-        unanswered(&problem, &parts, fitted, Unanswered { verdict, summary, location, notes: notes() })
+        let known = model.cloned().unwrap_or_else(|| nothing_known(&baseline));
+        unanswered(&problem, &parts, fitted, Unanswered { verdict, summary, location, notes: notes(), known })
     };
     let dm_du = model.and_then(|m| m.plant.dm_du);
     let mut checks = data_checks::of_recordings(recordings, &data, dm_du);
@@ -152,6 +152,22 @@ struct Unanswered {
     summary: String,
     location: Option<Location>,
     notes: Vec<String>,
+    /// What the user knew before.
+    known: ModelFile,
+}
+
+/// The model of who has none: an inertia that every moment is divided by.
+fn nothing_known(baseline: &Baseline) -> ModelFile {
+    let plant = PlantSection {
+        inertia_kg_m2: baseline.plant.inertia,
+        delay_s: None,
+        dm_dq: None,
+        dm_du: None,
+        mount_k: None,
+        mount_c: None,
+        mount_j: None,
+    };
+    ModelFile { plant, effects: Vec::new(), intervals: Default::default() }
 }
 
 /// No physics is named; the baseline's fit is told where there is one.
@@ -185,6 +201,6 @@ fn unanswered(
         traces: Vec::new(),
         over_time: OverTime::default(),
         components: Vec::new(),
-        model: problem.baseline.to_model_file(problem.data.origin()),
+        model: said.known,
     }
 }

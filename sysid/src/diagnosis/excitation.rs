@@ -1,11 +1,12 @@
 //! Whether the data can answer at all: long enough, moved by the input, above the noise.
 
 use super::estimates::estimates;
-use super::levels::{SHORTEST_S, WIDEST_GAIN_INTERVAL};
+use super::levels::{HORIZONS_S, SHORTEST_S, WIDEST_GAIN_INTERVAL};
 use crate::identify::fir::ceiling_vaf;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::free_run::judged;
+use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 
 /// Share of the output, per cent, that an FIR model must explain for the input to count as seen.
@@ -13,8 +14,7 @@ const EXPLAINED_BY_ANY: f64 = 40.0;
 /// Memory of that model, s.
 const FIR_MEMORY_S: f64 = 1.0;
 
-/// Why the data are too little before anything is fitted: too short, or an input or a motion that
-/// never changes.
+/// Why the data are too little before anything is fitted: too short, or a motion that never changes.
 pub fn too_little(problem: &Problem<'_>) -> Option<String> {
     let seconds: f64 =
         problem.data.places().iter().map(|p| p.rows.len() as f64 * problem.data.runs[p.run].step).sum();
@@ -22,10 +22,6 @@ pub fn too_little(problem: &Problem<'_>) -> Option<String> {
         return Some(format!(
             "The data cannot tell: {seconds:.1} s of excitation are too short, at least {SHORTEST_S} s are needed (a hundred are good)."
         ));
-    }
-    let moves = problem.data.runs.iter().any(|run| run.u.iter().any(|u| *u != run.u[0]));
-    if !moves {
-        return Some("The data cannot tell: the input never changes.".into());
     }
     let still = |signal: &Option<Vec<f64>>| {
         signal.iter().flatten().all(|y| Some(y) == signal.iter().flatten().next())
@@ -35,8 +31,12 @@ pub fn too_little(problem: &Problem<'_>) -> Option<String> {
 }
 
 /// Why the data are too weak: the input's effect is not known well enough to ask what is missing from it, and an
-/// unstructured model makes no more of the input either.
+/// unstructured model makes no more of the input either; or, where the input never changes, nothing of the motion follows from
+/// what it was before.
 pub fn too_weak(problem: &Problem<'_>, baseline: &Fit, information: &Information) -> Option<String> {
+    if !problem.data.input_changes() {
+        return at_rest(problem, baseline);
+    }
     let all = estimates(problem, baseline, Some(information));
     let gain = all.iter().find(|e| e.name == "dM_du")?;
     let half = 0.5 * (gain.ci95[1] - gain.ci95[0]);
@@ -58,4 +58,16 @@ pub fn too_weak(problem: &Problem<'_>, baseline: &Fit, information: &Information
          Use a larger amplitude or a longer test.",
         100.0 * relative
     ))
+}
+
+fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
+    let unpacked = problem.unpack(&baseline.effects, &baseline.minimum.values);
+    let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S);
+    let ahead = ahead.and_then(|all| all.last().copied()).map_or(0.0, |(vaf, _)| vaf);
+    (ahead < EXPLAINED_BY_ANY).then(|| {
+        format!(
+            "The data cannot tell: the input never changes, and the motion is no swing or decay either that follows from what it was \
+             before (VAF {ahead:.0} % of predictions 1 s ahead). Excite the vehicle."
+        )
+    })
 }

@@ -86,7 +86,7 @@ impl<'a> Problem<'a> {
         for place in held_out {
             counted[place.run][place.rows.clone()].fill(false);
         }
-        Self { data, baseline, sizes: data.amplitudes(baseline.plant.dm_du), counted }
+        Self { data, baseline, sizes: data.amplitudes(baseline.plant.inertia, baseline.plant.dm_du), counted }
     }
 
     /// Number of residual channels.
@@ -175,6 +175,9 @@ impl<'a> Problem<'a> {
             coordinate("dM_dq", "N m s/rad", [-1e3 * damping, 0.0], false, 0.1 * damping),
             coordinate("dM_du", &format!("N m/{unit}"), [-1e3 * gain, 1e3 * gain], false, 0.1 * gain),
         ];
+        if !self.data.input_changes() {
+            all[1].bounds = [plant.dm_du; 2];
+        }
         if self.baseline.delay_free {
             all.push(coordinate("delay", "s", [self.earliest(), LONGEST_DELAY], false, self.sizes.step));
         }

@@ -1,9 +1,8 @@
 //! The baseline of a diagnosis: the user's simulation, or the grey-box pitch model with values to start from.
 
 use super::pitch::Term;
-use super::plant::{Mount, Plant};
+use super::plant::Plant;
 use crate::dataset::{Dataset, decorrelation};
-use crate::recording::InputUnit;
 use nalgebra::{Matrix2, Matrix3, Matrix4, Matrix4x2, Vector2, Vector3, Vector4};
 
 /// The simulation in use: what a diagnosis starts from.
@@ -17,34 +16,33 @@ pub struct Baseline {
     pub terms: Vec<Term>,
 }
 
-/// Iyy of the vehicle of the reference experiment, kg m² (Riccardi, Panizza, Lovera, ERF 2014).
-const REFERENCE_INERTIA: f64 = 0.1705;
-/// Loop delay adopted there, s.
-const REFERENCE_DELAY: f64 = 0.06;
+/// What an answer says where there is no model.
+pub const ASSUMED: &str = "no model was given: unit inertia is assumed, so every moment is per unit inertia (N m stands for \
+                           rad/s^2), and the IMU is taken for rigidly mounted; give yours with --model";
+
 impl Baseline {
-    /// Without a user's model: a recording whose input is blade pitch in rad is taken for the reference vehicle (known
-    /// inertia, soft mount); any other rig has unknown inertia (moments per unit inertia) and a rigid IMU.
-    /// The loop delay is estimated.
+    /// Without a user's model: unit inertia (moments per unit inertia) and a rigid IMU. The loop delay is estimated.
     pub fn from_data(data: &Dataset) -> Self {
-        let plant = if data.input_unit == InputUnit::Rad {
-            Plant {
-                inertia: REFERENCE_INERTIA,
-                dm_dq: -0.27,
-                dm_du: 23.0,
-                delay: REFERENCE_DELAY,
-                mount: Some(Mount { stiffness: 3.8689, damping: 0.02639, inertia: 5e-4 }),
-            }
-        } else {
-            regression(data)
-        };
-        Self { plant, delay_free: true, terms: Vec::new() }
+        Self { plant: regression(data), delay_free: true, terms: Vec::new() }
     }
 }
 
 /// ∂M/∂u per unit inertia, roughly, by a regression of the measured motion alone: nothing is known of the plant there, and
 /// no missing physics bends it by more than a small factor.
-pub fn rough_gain(data: &Dataset) -> f64 {
-    regressions(data)[0].dm_du
+pub fn rough_gain(data: &Dataset) -> Option<f64> {
+    let [turning, _] = regressions(data);
+    turning.error.is_finite().then_some(turning.dm_du)
+}
+
+/// Ratios of two gains, in ln, that missing physics and the errors of a model explain.
+pub const TOLERABLE: f64 = 1.5;
+
+/// Whether `dm_du`, per unit inertia, is near enough to what a regression finds to be the start of a search: a placeholder is
+/// not.
+pub fn is_likely_gain(data: &Dataset, dm_du: f64) -> bool {
+    let known: Vec<Regression> =
+        regressions(data).into_iter().filter(|found| found.error.is_finite()).collect();
+    known.is_empty() || known.iter().any(|found| (found.dm_du / dm_du).abs().ln().abs() < TOLERABLE)
 }
 
 /// Values to start from for a rig of unknown inertia: least squares over m samples, over which q decorrelates a little, and over
@@ -80,6 +78,9 @@ fn regressions(data: &Dataset) -> [Regression; 2] {
     let span = stride as f64 * step;
     let none = || Regression { error: f64::INFINITY, dm_dq: -1.0, dm_du: 1.0, delay: 0.0 };
     let mut best = [none(), none()];
+    if !data.input_changes() {
+        return best;
+    }
     for rows in 0..=longest {
         let delay = rows as f64 * step;
         let of_rate = turning(data, &rates, stride, rows).map(|(error, [a, b])| {

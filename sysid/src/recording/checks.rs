@@ -69,8 +69,11 @@ fn extremes(values: &[f64]) -> (f64, f64) {
 
 fn check_input(input: &Signal, notes: &mut Vec<Note>) {
     if is_constant(&input.values) {
-        let text =
-            format!("the input {} never changes ({}): nothing is excited", column(input), input.values[0]);
+        let text = format!(
+            "the input {} never changes ({}): what it was before the first row is unknown, and only motion that was under way then informs",
+            column(input),
+            input.values[0]
+        );
         notes.push(Note::new(NoteKind::DeadInput, text));
     } else if input.source.role == Role::Input(InputUnit::Rad) {
         check_size(Some(input), LARGEST_BLADE_PITCH, "rad", notes);

@@ -251,7 +251,7 @@ impl Benchmark {
         let problem = Problem::new(&data, &baseline, &[]);
         let fit = fit_baseline(&problem).ok_or_else(|| self.diverged("the prediction"))?;
         let Unpacked { plant, terms, .. } = problem.unpack(&[], &fit.minimum.values);
-        Ok(Simulation::new(plant, terms, data.amplitudes(plant.dm_du)))
+        Ok(Simulation::new(plant, terms, data.amplitudes(plant.inertia, plant.dm_du)))
     }
 
     /// The linear oscillator nearest to `piece`, as the user's model.
@@ -330,7 +330,7 @@ impl Benchmark {
 fn simulation(model: &ModelFile, train: &Recording) -> Result<Simulation, Error> {
     let data = Dataset::new(std::slice::from_ref(train))?;
     let Baseline { plant, terms, .. } = Baseline::from_model(model, &data)?;
-    Ok(Simulation::new(plant, terms, data.amplitudes(plant.dm_du)))
+    Ok(Simulation::new(plant, terms, data.amplitudes(plant.inertia, plant.dm_du)))
 }
 
 /// Parameters by name.

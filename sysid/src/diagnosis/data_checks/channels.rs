@@ -3,11 +3,18 @@
 use super::{DataCheck, Gravity, joined};
 use crate::estimate::digits;
 use crate::recording::{NoteKind, Recording};
+use std::ops::Range;
 
 /// Runs of one value at an extreme of the input, each at least this long, that count as clipping.
 const PLATEAU: usize = 3;
 /// Share of samples in which an input changes, from which it is no sequence of steps (which has plateaus anyway).
 const CHANGING: f64 = 0.5;
+/// Shortest time over which an output that stays at one value counts as frozen, s.
+const FROZEN_S: f64 = 1.0;
+/// How much longer than any other run of one value a frozen one is.
+const FAR_LONGER: usize = 10;
+/// Share of its spread that another signal keeps where the motion goes on.
+const GOES_ON: f64 = 0.5;
 
 fn notes_of(recording: &Recording, kinds: &[NoteKind]) -> Option<String> {
     let notes = recording.notes.iter().filter(|note| kinds.contains(&note.kind));
@@ -96,6 +103,10 @@ pub fn dead(recordings: &[Recording]) -> DataCheck {
     if let Some(words) = joined(recordings, output) {
         return DataCheck::found(CAUSE, Gravity::Stops, words);
     }
+    if let Some(words) = joined(recordings, |recording| Frozen::longest(recording).map(|f| f.told(recording)))
+    {
+        return DataCheck::found(CAUSE, Gravity::Stops, words);
+    }
     let partly = |recording: &Recording| {
         let described: Vec<String> = still_sections(recording).collect();
         (!described.is_empty()).then(|| described.join("; "))
@@ -105,6 +116,75 @@ pub fn dead(recordings: &[Recording]) -> DataCheck {
     }
     let moving: Vec<&str> = recordings.first().into_iter().flat_map(outputs).map(|(name, _)| name).collect();
     DataCheck::ruled_out(CAUSE, format!("the input and {} move in every section", moving.join(" and ")))
+}
+
+/// An output that stays at one value while the motion goes on: it is held there, not measured.
+struct Frozen {
+    name: &'static str,
+    value: f64,
+    rows: Range<usize>,
+    /// What goes on beside it.
+    beside: &'static str,
+}
+
+impl Frozen {
+    fn longest(recording: &Recording) -> Option<Self> {
+        let stretches = outputs(recording).flat_map(|(name, values)| {
+            let frozen = far_longer_runs(values, (FROZEN_S / recording.step).ceil() as usize);
+            frozen.into_iter().filter_map(move |rows| {
+                let mut others = outputs(recording).filter(|(other, _)| *other != name).peekable();
+                let input = ("the input", recording.u.as_slice());
+                let alone = others.peek().is_none() && rows.end == values.len();
+                let mut witnesses = others.chain(alone.then_some(input));
+                let (beside, _) =
+                    witnesses.find(|(_, other)| spread(&other[rows.clone()]) > GOES_ON * spread(other))?;
+                Some(Self { name, value: values[rows.start], rows, beside })
+            })
+        });
+        stretches.max_by_key(|frozen| frozen.rows.len())
+    }
+
+    fn told(&self, recording: &Recording) -> String {
+        let Self { name, value, rows, beside } = self;
+        let time = |row: usize| recording.t[row.min(recording.len() - 1)];
+        let (before, after) = (0..rows.start, rows.end..recording.len());
+        let rest = if before.len() >= after.len() { before } else { after };
+        format!(
+            "{name} stays at {} from {:.2} to {:.2} s while {beside} goes on: nothing was measured there; leave that out with \
+             --section \"A={:.2}..{:.2}\", or the column by renaming it",
+            digits(*value),
+            time(rows.start),
+            time(rows.end),
+            time(rest.start),
+            time(rest.end)
+        )
+    }
+}
+
+/// Runs of one value at least `least` rows long and far longer than all others, but for those at an extreme of the signal,
+/// where a stop or a range may hold it.
+fn far_longer_runs(values: &[f64], least: usize) -> Vec<Range<usize>> {
+    let mut start = 0;
+    let mut runs: Vec<Range<usize>> = values
+        .chunk_by(|a, b| a == b)
+        .map(|run| {
+            start += run.len();
+            start - run.len()..start
+        })
+        .collect();
+    runs.sort_by_key(|run| std::cmp::Reverse(run.len()));
+    let falls = |pair: &[Range<usize>]| pair[0].len() >= least && pair[0].len() >= FAR_LONGER * pair[1].len();
+    let Some(last) = runs.windows(2).rposition(falls) else { return Vec::new() };
+    runs.truncate(last + 1);
+    let (low, high) = range(values);
+    runs.retain(|run| low < values[run.start] && values[run.start] < high);
+    runs
+}
+
+fn spread(values: &[f64]) -> f64 {
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n).sqrt()
 }
 
 /// Outputs that are constant in a whole section.

@@ -8,21 +8,24 @@ use crate::diagnosis::describe::in_words;
 use crate::estimate::Estimate;
 use crate::estimate::digits;
 use crate::likelihood::problem::Problem;
-use crate::model::baseline::rough_gain;
+use crate::model::baseline::{TOLERABLE, rough_gain};
 use crate::recording::{InputUnit, Recording};
 
 /// Half width, in ln, of the band around 57.3: a factor of 2.5 for the regression, and 30 % for the user's value.
 const NEAR: f64 = 1.2;
-/// Ratios of the two gains, in ln, that missing physics and the model's error explain.
-const TOLERABLE: f64 = 1.5;
+/// Largest rate that a gyro of a vehicle measures (2,000 °/s), rad/s.
+const LARGEST_RATE: f64 = 35.0;
+/// A turn, rad.
+const LARGEST_ANGLE: f64 = std::f64::consts::TAU;
 /// The columns of the measured motion.
 const MOTION: [&str; 2] = ["q_rad_s", "theta_rad"];
 const NO_MODEL: &str = "no model says what the response to the input should be";
+const NO_INPUT: &str = "the input never changes";
 
 /// ∂M/∂u of the data and of the user's model.
 pub struct Response<'a> {
     fitted: Option<Estimate>,
-    rough: f64,
+    rough: Option<f64>,
     given: Option<f64>,
     recordings: &'a [Recording],
 }
@@ -37,7 +40,7 @@ impl<'a> Response<'a> {
     ) -> Self {
         Self {
             fitted: estimates.into_iter().find(|e| e.name == "dM_du"),
-            rough: rough_gain(problem.data) * problem.baseline.plant.inertia,
+            rough: rough_gain(problem.data).map(|gain| gain * problem.baseline.plant.inertia),
             given,
             recordings,
         }
@@ -51,10 +54,14 @@ impl<'a> Response<'a> {
                 self.fitted.as_ref().map_or(String::new(), |g| format!("; the data have {}", in_words(g)));
             return DataCheck::cannot_tell(CAUSE, format!("{NO_MODEL}{known}"));
         };
-        let rough = digits(self.rough);
-        let described =
-            format!("the data have {} (a regression: {rough}), the model {}", in_words(gain), digits(given));
-        let clear = gain.ci95[0] * gain.ci95[1] > 0.0 && gain.value * self.rough > 0.0;
+        let Some(rough) = self.rough else { return DataCheck::cannot_tell(CAUSE, NO_INPUT) };
+        let described = format!(
+            "the data have {} (a regression: {}), the model {}",
+            in_words(gain),
+            digits(rough),
+            digits(given)
+        );
+        let clear = gain.ci95[0] * gain.ci95[1] > 0.0 && gain.value * rough > 0.0;
         if clear && gain.value * given > 0.0 {
             return DataCheck::ruled_out(CAUSE, described);
         }
@@ -81,10 +88,11 @@ impl<'a> Response<'a> {
         let (Some(gain), Some(given)) = (&self.fitted, self.given) else {
             return looks_wrong().unwrap_or_else(|| DataCheck::cannot_tell(CAUSE, NO_MODEL));
         };
-        let ratio = (self.rough / given).abs();
+        let Some(rough) = self.rough else { return DataCheck::cannot_tell(CAUSE, NO_INPUT) };
+        let ratio = (rough / given).abs();
         let described = format!(
             "a regression has ∂M/∂u at {} {}, {} times the model's {}",
-            digits(self.rough),
+            digits(rough),
             gain.unit,
             digits(ratio),
             digits(given)
@@ -94,7 +102,7 @@ impl<'a> Response<'a> {
         let in_radians = self.recordings.iter().all(|r| r.u_unit == InputUnit::Rad);
         let wrong = if in_radians && clear && near(1.0 / DEGREES) {
             Some(("the input is", vec![self.column()]))
-        } else if near(DEGREES) && self.motion_is_large() {
+        } else if near(DEGREES) && self.motion_is_beyond_radians() {
             Some(("the measured motion is", MOTION.to_vec()))
         } else {
             None
@@ -122,9 +130,10 @@ impl<'a> Response<'a> {
         })
     }
 
-    /// Whether rate or angle is larger than radians are.
-    fn motion_is_large(&self) -> bool {
-        MOTION.iter().any(|column| self.recordings.iter().any(|r| too_large(r, column).is_some()))
+    /// Whether rate or angle is larger than a gyro or a rig reaches in radians.
+    fn motion_is_beyond_radians(&self) -> bool {
+        let beyond = |values: &Option<Vec<f64>>, limit: f64| values.iter().flatten().any(|v| v.abs() > limit);
+        self.recordings.iter().any(|r| beyond(&r.q, LARGEST_RATE) || beyond(&r.theta, LARGEST_ANGLE))
     }
 
     fn column(&self) -> &'static str {

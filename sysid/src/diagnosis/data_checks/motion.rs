@@ -90,7 +90,7 @@ pub fn sign(recordings: &[Recording], data: &Dataset, dm_du: Option<f64>) -> Dat
 fn reversed(recording: &Recording, compared: &Compared, data: &Dataset, dm_du: Option<f64>) -> String {
     let of = |column: &str| recording.option_to_scale(column, -1.0).unwrap_or_default();
     let advice = match dm_du {
-        Some(gain) if rough_gain(data) * gain < 0.0 => format!(
+        Some(gain) if rough_gain(data).is_some_and(|rough| rough * gain < 0.0) => format!(
             "the rate is reversed, for it answers to the input against the model's sign; read it with {}",
             of("q_rad_s")
         ),

@@ -239,3 +239,30 @@ fn a_cause_that_stops_leaves_no_physics_in_the_answer() {
     assert!(answer.summary.contains("the rate is reversed"), "{}", answer.summary);
     assert!(answer.summary.starts_with("The angle theta_rad falls"), "{}", answer.summary);
 }
+
+#[test]
+fn an_output_that_freezes_while_the_other_moves_is_named_with_the_part_to_keep() {
+    let sound = flight(1, 0.0);
+    let asked = |flight: &Flight| channels::dead(&[flight.recording()]);
+    let mut frozen = sound.clone();
+    let middle = sound.theta.iter().position(|&angle| angle > 0.0).unwrap().max(1200);
+    frozen.theta[middle..middle + 200].fill(sound.theta[middle]);
+    let check = asked(&frozen);
+    let kept = format!("--section \"A=0.00..{:.2}\"", middle as f64 * 0.02);
+    assert!(
+        check.stops() && check.words.contains("theta_rad stays") && check.words.contains(&kept),
+        "{check:?}"
+    );
+
+    let mut at_a_stop = sound.clone();
+    let highest = sound.theta.iter().copied().fold(f64::MIN, f64::max);
+    at_a_stop.theta[1200..1400].fill(highest);
+    assert_eq!(asked(&at_a_stop).state, State::RuledOut);
+
+    let mut at_rest = sound;
+    for signal in [&mut at_rest.u, &mut at_rest.q, &mut at_rest.theta] {
+        let value = signal[1800];
+        signal[1800..].fill(value);
+    }
+    assert_eq!(asked(&at_rest).state, State::RuledOut);
+}

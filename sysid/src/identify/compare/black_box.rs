@@ -52,7 +52,7 @@ pub(super) fn lms_and_kung(work: &Work) -> Vec<MethodResult> {
 fn on_board_lms(work: &Work) -> Result<LmsFit, Error> {
     let factor = match work.data.input_unit {
         InputUnit::Rad => 1.0,
-        _ => USUAL_AMPLITUDE / work.data.amplitudes(1.0).u,
+        _ => USUAL_AMPLITUDE / work.data.amplitudes(1.0, 1.0).u,
     };
     let scaled: Vec<Vec<f64>> =
         work.data.runs.iter().map(|run| run.u.iter().map(|u| u * factor).collect()).collect();

@@ -25,7 +25,7 @@ use crate::dataset::Dataset;
 use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::held_out::{Split, labels};
-use crate::model::baseline::Baseline;
+use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::file::ModelFile;
 use crate::recording::{InputUnit, Recording};
 use crate::validate::coherence::Line;
@@ -147,6 +147,9 @@ pub fn identify(
     let split = Split::for_validation(&data);
     let mut found = identify_on(&data, &split, &baseline, &Settings::default(), progress)?;
     found.notes = data.notes(recordings);
+    if model.is_none() {
+        found.notes.push(ASSUMED.into());
+    }
     Ok(found)
 }
 
