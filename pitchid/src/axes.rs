@@ -23,6 +23,16 @@ pub enum AxisChoice {
 }
 
 impl AxisChoice {
+    /// The one axis that is meant; `None` for all.
+    pub fn one(self) -> Option<Axis> {
+        match self {
+            Self::Roll => Some(Axis::Roll),
+            Self::Pitch => Some(Axis::Pitch),
+            Self::Yaw => Some(Axis::Yaw),
+            Self::All => None,
+        }
+    }
+
     /// Whether no axis was chosen.
     pub fn is_all(self) -> bool {
         self == Self::All
@@ -31,9 +41,7 @@ impl AxisChoice {
     /// The axes to ask, of those that each side has; `None` stands for the one of a recording that names none.
     pub fn wanted(self, before: &[Axis], after: &[Axis]) -> Vec<Option<Axis>> {
         match self {
-            Self::Roll => vec![Some(Axis::Roll)],
-            Self::Pitch => vec![Some(Axis::Pitch)],
-            Self::Yaw => vec![Some(Axis::Yaw)],
+            Self::Roll | Self::Pitch | Self::Yaw => vec![self.one()],
             Self::All if before.is_empty() && after.is_empty() => vec![None],
             // The side that has none says itself why when it is read.
             Self::All if before.is_empty() => after.iter().copied().map(Some).collect(),
@@ -59,6 +67,19 @@ fn input(names: &[String], axis: Axis) -> Option<(String, String)> {
     all.find(|(own, _)| names.contains(own))
 }
 
+/// What stands beside an axis as roll and yaw stand beside pitch: the name there, and the file's.
+fn beside(names: &[String], axis: Axis) -> Vec<(String, String)> {
+    let all = match axis {
+        Axis::Pitch => Vec::new(),
+        Axis::Roll => {
+            let inputs = UNITS.iter().map(|unit| (format!("u_roll_{unit}"), format!("u_pitch_{unit}")));
+            inputs.chain([("p_rad_s".into(), "q_rad_s".into())]).collect()
+        }
+        Axis::Yaw => vec![("r_rad_s".into(), "q_rad_s".into())],
+    };
+    all.into_iter().filter(|(_, column)| names.contains(column)).collect()
+}
+
 /// The axes that a recording has an input and a rate of; none where it cannot be read, or is of one axis alone.
 pub fn axes_of(path: &Path) -> Vec<Axis> {
     let Ok(names) = header(path) else { return Vec::new() };
@@ -82,6 +103,7 @@ pub fn recording_of(path: &Path, axis: Option<Axis>, options: &ReadOptions) -> R
         input(&names, axis).iter().map(|(column, target)| of(target, column)).collect();
     own.extend(is_there(rate).then(|| of("q_rad_s", rate)));
     own.extend(is_there(angle).then(|| of("theta_rad", angle)));
+    own.extend(beside(&names, axis).iter().map(|(target, column)| of(target, column)));
     let is_mapped = |start: &str| options.columns.iter().any(|map| map.target.starts_with(start));
     let slots = [("u_", "an input"), ("q_", "a rate"), ("theta_", "an angle")];
     own.retain(|map| !slots.iter().any(|(start, _)| map.target.starts_with(start) && is_mapped(start)));
@@ -141,6 +163,7 @@ mod tests {
         let roll = recording_of(&path, Some(Axis::Roll), &options).unwrap();
         assert_eq!((roll.u[3], roll.q.unwrap()[3]), (3.0, 9.0));
         assert!(roll.theta.is_none(), "the angle of pitch is none of roll's");
+        assert_eq!(roll.p.unwrap()[3], 12.0, "pitch stands beside roll as roll beside pitch");
         let yaw = recording_of(&path, Some(Axis::Yaw), &options).unwrap();
         assert_eq!((yaw.u[3], yaw.q.unwrap()[3]), (6.0, 3_f64.sin()));
         let mapped = ReadOptions { columns: vec!["q_rad_s=-p_rad_s".parse().unwrap()], ..options };

@@ -1,12 +1,14 @@
 //! Answers as they stand on a terminal: paragraphs and tables of plain text.
 
+pub mod axes;
 pub mod comparison;
 
 use crate::format;
 use crate::output::width;
-use crate::report::content::{CheckRows, Content, plant_meaning};
+use crate::report::content::{CheckRows, Content, capitalised, plant_meaning};
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use std::fmt::Write as _;
+use sysid::diagnosis::questions::Question;
 use sysid::estimate::Estimate;
 use sysid::identify::compare::Identification;
 
@@ -46,6 +48,7 @@ pub fn diagnosis(content: &Content) -> String {
     let mut text = paragraph(&format!("{}: {}", content.verdict.to_uppercase(), content.headline));
     text.push('\n');
     text.push_str(&paragraph(&answer.summary));
+    text.push_str(&questions(&answer.questions));
     text.push_str(&checks(&content.checks));
     text.push_str(&fit(content));
     for effect in &content.effects {
@@ -73,6 +76,15 @@ pub fn diagnosis(content: &Content) -> String {
         text.push_str(&indented(&told, "  ", "  "));
     }
     text + &notes(&answer.notes)
+}
+
+/// The questions and their answers.
+pub fn questions(all: &[Question]) -> String {
+    let lines: Vec<String> = all
+        .iter()
+        .map(|q| indented(&format!("{} {}.", q.question, capitalised(&q.answer)), "  ", "    "))
+        .collect();
+    if lines.is_empty() { String::new() } else { heading("In order") + &lines.concat() }
 }
 
 fn checks(rows: &CheckRows) -> String {

@@ -125,6 +125,12 @@ fn a_whole_test_is_flown_over_a_line_that_breaks_and_nothing_that_arrived_is_los
     std::fs::write(folder.path().join("model.toml"), MODEL).unwrap();
     let diagnosed = answered(folder.path(), &["diagnose", "flight.csv", "--model", "model.toml"]);
     assert!(diagnosed.contains("VAF"), "{diagnosed}");
+    let identified = answered(folder.path(), &["identify", "flight.csv", "--taps", "taps.json"]);
+    let line = |name: &str| {
+        identified.lines().find(|line| line.trim_start().starts_with(name)).unwrap_or_default().to_owned()
+    };
+    assert!(line("LMS on board ").contains("64 taps"), "{identified}");
+    assert!(line("LMS FIR ").contains("64 taps"), "the replay is set as the board was: {identified}");
 }
 
 const MODEL: &str = "[plant]\ninertia_kg_m2 = 0.1705\ndelay_s = 0.06\ndM_dq_N_m_s = -0.27\ndM_du_N_m = 23.0\n\

@@ -33,7 +33,6 @@ fn feedback_under(input: Input) -> State {
 }
 
 #[test]
-#[ignore = "the test of feedback looks 0.1 s ahead, and not at dwells"]
 fn feedback_through_the_dwell_is_not_ruled_out() {
     let input = Input::PrbsByRate { amplitude: 0.015, dwell_s: [0.2, 0.4], lengthened: 0.6 };
     assert_eq!(feedback_under(input), State::Found);

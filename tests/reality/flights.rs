@@ -2,10 +2,11 @@
 
 use host_sim::{FreeFlight, Setting, Table, dirt};
 use sysid::diagnosis::answer::{Answer, Verdict};
+use sysid::diagnosis::axes::{AxisRecordings, shared_by};
 use sysid::model::file::ModelFile;
 use sysid::recording::{ReadOptions, Recording};
 
-use crate::{ask, effect, entry, ids, model_of, read, read_with};
+use crate::{ask, effect, entry, ids, is_right, model_of, read, read_with};
 
 const PITCH: usize = 1;
 
@@ -78,4 +79,28 @@ fn axes_that_move_beside_pitch_make_no_mount_mode_or_fade() {
     let answer = ask(&[recording], Some(&model)).answer;
     none_of(&answer, &["imu_mount", "structural_mode", "effectiveness_fade", "inertia_step", "clock_skew"]);
     assert!(answer.effects.len() < 4);
+}
+
+#[test]
+fn a_lag_of_the_rotors_that_roll_and_pitch_share_is_one_lag() {
+    let lag = || vec![effect("servo_lag", &[("T", 0.06)])];
+    let flight = FreeFlight { tick_s: 0.004, angles_logged: false, ..FreeFlight::new(5).expect("it exists") };
+    let flight = FreeFlight { effects: [lag(), lag(), Vec::new()], ..flight };
+    let table = dirt::averaged(flight.fly().expect("it flies").table, 5);
+    let axis = |name: &str, rate: &str, beside: &[&str]| {
+        let maps = [format!("u_norm=u_{name}_norm"), format!("q_rad_s={rate}")];
+        let beside = beside.iter().map(|map| (*map).to_owned());
+        let columns = maps.into_iter().chain(beside).map(|map| map.parse().expect("it is a map"));
+        let options = ReadOptions { columns: columns.collect(), ..ReadOptions::default() };
+        AxisRecordings { name: name.into(), recordings: vec![read_with(&table, &options)], model: None }
+    };
+    let axes = [
+        axis("roll", "p_rad_s", &["p_rad_s=q_rad_s"]),
+        axis("pitch", "q_rad_s", &[]),
+        axis("yaw", "r_rad_s", &["r_rad_s=q_rad_s"]),
+    ];
+    let shared = shared_by(&axes).expect("the recordings go together").expect("a lag is there");
+    println!("{shared:?}");
+    assert_eq!((shared.id, &shared.axes[..]), ("servo_lag", &["roll".to_owned(), "pitch".to_owned()][..]));
+    assert!(is_right(&shared.parameter, 0.06, 0.15), "{:?}", shared.parameter);
 }

@@ -6,6 +6,7 @@ mod link;
 mod log;
 mod port;
 mod station;
+pub mod taps;
 mod texts;
 
 pub use cycle::{CycleReport, Phase};

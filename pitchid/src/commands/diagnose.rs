@@ -1,12 +1,13 @@
 //! `pitchid diagnose`: what the model leaves out.
 
-use super::reading::Reading;
+use super::reading::{ByAxis, Reading};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::report::content::Content;
 use crate::{output, report, text};
 use clap::Args;
 use std::path::{Path, PathBuf};
+use sysid::diagnosis::axes::{AxisRecordings, diagnose_axes};
 use sysid::diagnosis::{Diagnosis, diagnose};
 
 /// Says what physics the model of these recordings leaves out, and what adding it gains
@@ -16,6 +17,9 @@ use sysid::diagnosis::{Diagnosis, diagnose};
 /// Prints the verdict, a summary, the checks of the data, the VAF before and after of each section by models that were
 /// selected and fitted without it, the parameters with units and 95 % intervals, where the model differs, what is left, and
 /// the next experiment where candidates remain.
+///
+/// With --axis all, every axis is asked, and first what they share: a lag of the rotors is one effect of one size. The answers
+/// are short then; the whole of one axis is that of --axis roll, pitch or yaw.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -49,6 +53,7 @@ Examples:
   pitchid diagnose flight.csv --model sim.toml --report flight.html --out-model extended.toml
   pitchid diagnose log.csv --column q_rad_s=gyro_y --section I=5..30 --section IV=65..90
   pitchid diagnose flight.ulg --axis roll --time 120..160
+  pitchid diagnose flight.ulg --axis all
   pitchid diagnose rig.csv --input interpolated --json - | jq .verdict
 
 Exit status: 0 a diagnosis was made, whatever it says; 2 the input could not be used.";
@@ -57,6 +62,9 @@ Exit status: 0 a diagnosis was made, whatever it says; 2 the input could not be 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let outputs = [&arguments.json, &arguments.report, &arguments.out_model];
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &arguments.reading.inputs())?;
+    if arguments.reading.all_axes() {
+        return all_axes(arguments);
+    }
     let recordings = arguments.reading.recordings()?;
     let model = arguments.reading.model()?;
     let progress = Progress::start("reading");
@@ -70,6 +78,40 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let written = write(arguments, &found, &content)?;
     if quiet { Ok(()) } else { output::print(&written) }
+}
+
+/// Diagnoses every axis, and what they share.
+fn all_axes(arguments: &Arguments) -> Result<(), Failure> {
+    let one_only = [&arguments.report, &arguments.out_model];
+    if arguments.reading.has_model() || one_only.iter().any(|path| path.is_some()) {
+        let found = "--axis all: --model, --report and --out-model are of one axis";
+        return Err(Failure::new(found, "choose --axis roll, pitch or yaw for these"));
+    }
+    let progress = Progress::start("reading");
+    let ByAxis { read, refused } = arguments.reading.recordings_by_axis()?;
+    if read.is_empty()
+        && let Some(refusal) = refused.into_iter().next()
+    {
+        return Err(refusal);
+    }
+    let axes: Vec<AxisRecordings> = read
+        .into_iter()
+        .map(|(axis, recordings)| AxisRecordings { name: axis.to_string(), recordings, model: None })
+        .collect();
+    let found = diagnose_axes(&axes, &|what| progress.say(what))?;
+    drop(progress);
+    if !output::is_stdout(arguments.json.as_deref()) {
+        output::print(&text::axes::diagnoses(&found))?;
+    }
+    let Some(path) = &arguments.json else { return Ok(()) };
+    let answers: Vec<_> =
+        found.axes.iter().map(|(axis, d)| serde_json::json!({ "axis": axis, "answer": d.answer })).collect();
+    let answer = serde_json::json!({
+        "schema": "pitchid.diagnoses/1",
+        "shared": found.shared,
+        "axes": answers,
+    });
+    output::write(path, &output::json(&answer)?)
 }
 
 /// Writes what was asked for and says so.

@@ -1,6 +1,7 @@
 //! `pitchid fly`: runs the experiment on a board.
 
 use super::line::Line;
+use crate::board::taps::TapsFile;
 use crate::board::{CycleReport, Heard, Log, Phase, Station, Stop};
 use crate::failure::Failure;
 use crate::output;
@@ -8,7 +9,6 @@ use clap::Args;
 use estimator_core::constants::{CAMPAIGN_DWELL_S, SAMPLE_PERIOD_S};
 use mavlink::MessageData;
 use mavlink::dialects::common::{DEBUG_FLOAT_ARRAY_DATA, MavCmd};
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -66,21 +66,6 @@ const START: Duration = Duration::from_secs(30);
 fn setting(text: &str) -> Result<(String, f32), String> {
     let (name, value) = text.split_once('=').ok_or("write NAME=VALUE")?;
     Ok((name.to_owned(), value.parse().map_err(|_| format!("{value:?} is no number"))?))
-}
-
-/// What the on-board estimate came to.
-#[derive(Serialize)]
-struct Taps {
-    schema: &'static str,
-    unit: &'static str,
-    step_s: f32,
-    /// Samples from an input to the response that the first tap describes.
-    first_lag: u32,
-    verdict: &'static str,
-    settling: f32,
-    gain_drift: f32,
-    innovation_ratio: f32,
-    taps: Vec<f32>,
 }
 
 /// Flies.
@@ -253,15 +238,18 @@ fn conclude(
     let Some(path) = &arguments.taps else { return Ok(()) };
     let [settling, gain_drift, innovation_ratio] = last.figures;
     let first_lag = 1 + parameters.get("LMS_DELAY").map_or(0, |&delay| delay as u32);
-    let answer = Taps {
-        schema: "pitchid.taps/1",
-        unit: "rad/s per rad",
+    let [schema, unit] = TapsFile::heads();
+    let answer = TapsFile {
+        schema,
+        unit,
         step_s: SAMPLE_PERIOD_S,
         first_lag,
-        verdict: last.verdict,
+        verdict: last.verdict.into(),
         settling,
         gain_drift,
         innovation_ratio,
+        lms_step: parameters.get("LMS_STEP").copied(),
+        lms_leakage: parameters.get("LMS_LEAK").copied(),
         taps,
     };
     output::write(path, &output::json(&answer)?)

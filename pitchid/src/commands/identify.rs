@@ -1,12 +1,13 @@
 //! `pitchid identify`: the pitch dynamics, by every method side by side.
 
 use super::reading::Reading;
+use crate::board::taps::TapsFile;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::{output, text};
 use clap::Args;
 use std::path::PathBuf;
-use sysid::identify::compare::identify;
+use sysid::identify::compare::{Settings, identify_with};
 
 /// Identifies the pitch dynamics by every method and judges each on data that it has not seen
 ///
@@ -18,6 +19,11 @@ use sysid::identify::compare::identify;
 pub struct Arguments {
     #[command(flatten)]
     reading: Reading,
+
+    /// What the estimator on board came to, as pitchid fly --taps wrote it: a line "LMS on board" beside the others, and its
+    /// settings for the estimator that is replayed
+    #[arg(long, value_name = "TAPS.json")]
+    taps: Option<PathBuf>,
 
     /// Write the identification as JSON; - is standard output, which then carries nothing else
     #[arg(long, value_name = "OUT.json")]
@@ -32,6 +38,7 @@ const AFTER_HELP: &str = "\
 Examples:
   pitchid identify flight.csv
   pitchid identify flight.bin --axis roll
+  pitchid identify flight.csv --taps taps.json
   pitchid identify test1.csv test2.csv --out-model fitted.toml --json fitted.json
 
 Exit status: 0 identified; 2 the input could not be used.";
@@ -39,11 +46,16 @@ Exit status: 0 identified; 2 the input could not be used.";
 /// Identifies.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let outputs = [&arguments.json, &arguments.out_model];
-    output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &arguments.reading.inputs())?;
+    let mut inputs = arguments.reading.inputs();
+    inputs.extend(arguments.taps.as_deref());
+    output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
     let recordings = arguments.reading.recordings()?;
     let model = arguments.reading.model()?;
+    let on_board = arguments.taps.as_deref().map(TapsFile::read).transpose()?.map(|file| file.on_board());
+    let settings = Settings { on_board, ..Settings::default() };
     let progress = Progress::start("reading");
-    let found = identify(&recordings, model.as_ref().map(|(_, m)| m), &|what| progress.say(what))?;
+    let model = model.as_ref().map(|(_, m)| m);
+    let found = identify_with(&recordings, model, &settings, &|what| progress.say(what))?;
     drop(progress);
     if !outputs.into_iter().any(|path| output::is_stdout(path.as_deref())) {
         output::print(&text::identification(&found))?;

@@ -1,9 +1,11 @@
 //! Recordings and models as arguments.
 
+use crate::axes::{AxisChoice, axes_of, recording_of};
 use crate::failure::Failure;
 use crate::logs::recording::recording;
-use crate::logs::{AxisName, Source, TimeSpan, choose, open, refuse_options};
+use crate::logs::{Flight, Source, TimeSpan, choose, open, refuse_options};
 use clap::Args;
+use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
 use sysid::catalogue::model_file::read_model;
 use sysid::model::file::ModelFile;
@@ -44,9 +46,9 @@ pub struct Reading {
     #[arg(long, value_name = "HOLD", default_value = "held", help_heading = "Reading")]
     input: InputHold,
 
-    /// The axis of a flight log [default: pitch]
-    #[arg(long, value_name = "AXIS", help_heading = "Flight logs")]
-    axis: Option<AxisName>,
+    /// The axis of a flight log, or of a recording with columns of several [default: pitch]
+    #[arg(long, value_name = "AXIS", help_heading = "Reading")]
+    axis: Option<AxisChoice>,
 
     /// Which flight of a log that holds several, counted from 1
     #[arg(long, value_name = "N", help_heading = "Flight logs")]
@@ -57,37 +59,98 @@ pub struct Reading {
     time: Option<TimeSpan>,
 }
 
+/// What is read: one flight of a log, or a table.
+enum What {
+    Log(Box<Flight>),
+    Table(PathBuf),
+}
+
+impl What {
+    /// Whether the axis may be asked: a log says itself where it has none.
+    fn has(&self, axis: Axis) -> bool {
+        match self {
+            Self::Log(_) => true,
+            Self::Table(path) => axes_of(path).contains(&axis),
+        }
+    }
+}
+
+/// The recordings of each axis that could be read, and why others could not.
+#[derive(Default)]
+pub struct ByAxis {
+    /// Axis and its recordings.
+    pub read: Vec<(Axis, Vec<Recording>)>,
+    /// Why not.
+    pub refused: Vec<Failure>,
+}
+
 impl Reading {
-    /// Reads all recordings, and makes recordings of flight logs.
+    /// Reads all recordings, and makes recordings of flight logs, of one axis.
     pub fn recordings(&self) -> Result<Vec<Recording>, Failure> {
+        if self.all_axes() {
+            let found = "--axis all: one axis at a time here";
+            return Err(Failure::new(found, "choose --axis roll, pitch or yaw"));
+        }
+        let axis = self.axis.and_then(AxisChoice::one);
+        self.sources()?.iter().map(|source| self.recording(source, axis)).collect()
+    }
+
+    /// Whether all axes are asked for.
+    pub fn all_axes(&self) -> bool {
+        self.axis == Some(AxisChoice::All)
+    }
+
+    /// The recordings of every axis that all sources have; of the others, why not.
+    pub fn recordings_by_axis(&self) -> Result<ByAxis, Failure> {
+        let sources = self.sources()?;
+        let mut all = ByAxis::default();
+        for axis in Axis::ALL.into_iter().filter(|axis| sources.iter().all(|source| source.has(*axis))) {
+            let read = sources.iter().map(|source| self.recording(source, Some(axis)));
+            match read.collect::<Result<Vec<Recording>, Failure>>() {
+                Ok(recordings) => all.read.push((axis, recordings)),
+                Err(refusal) => all.refused.push(refusal),
+            }
+        }
+        if all.read.is_empty() && all.refused.is_empty() {
+            let what = format!("{}: no columns of several axes", self.names().join(", "));
+            let help = "name them u_roll_norm (or another unit) and p_rad_s, u_pitch_norm and q_rad_s, u_yaw_norm and \
+                        r_rad_s, or leave --axis out";
+            return Err(Failure::new(what, help));
+        }
+        Ok(all)
+    }
+
+    fn sources(&self) -> Result<Vec<What>, Failure> {
+        let of = |source: Source| match source {
+            Source::Log(flights) => {
+                let mut flight = choose(flights, self.flight)?;
+                flight.cut(self.time.as_ref())?;
+                Ok(What::Log(Box::new(flight)))
+            }
+            Source::Recording(path) => {
+                let given = [("--flight", self.flight.is_some()), ("--time", self.time.is_some())];
+                refuse_options(&path, given)?;
+                Ok(What::Table(path))
+            }
+        };
+        open(&self.recordings, &self.columns)?.into_iter().map(of).collect()
+    }
+
+    fn recording(&self, source: &What, axis: Option<Axis>) -> Result<Recording, Failure> {
         let options = ReadOptions {
             splits: self.splits.clone(),
             sections: self.sections.clone(),
             ..options_with(self.input, &self.columns)
         };
-        let sources = open(&self.recordings, &self.columns)?;
-        sources.into_iter().map(|source| self.recording(source, &options)).collect()
+        match source {
+            What::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), &options),
+            What::Table(path) => recording_of(path, axis, &options),
+        }
     }
 
-    fn recording(&self, source: Source, options: &ReadOptions) -> Result<Recording, Failure> {
-        let flights = match source {
-            Source::Log(flights) => flights,
-            Source::Recording(path) => {
-                refuse_options(
-                    &path,
-                    [
-                        ("--axis", self.axis.is_some()),
-                        ("--flight", self.flight.is_some()),
-                        ("--time", self.time.is_some()),
-                    ],
-                )?;
-                return Ok(read(&path, options)?);
-            }
-        };
-        let mut flight = choose(flights, self.flight)?;
-        flight.cut(self.time.as_ref())?;
-        let axis = self.axis.unwrap_or(AxisName::Pitch);
-        recording(&flight, axis.into(), options)
+    /// Whether the user has a model.
+    pub fn has_model(&self) -> bool {
+        self.model.is_some()
     }
 
     /// Reads the user's model, with its name.

@@ -155,7 +155,7 @@ impl Flight {
 }
 
 /// Refuses, for a recording, options that are for flight logs alone: name, and whether it was given.
-pub fn refuse_options(path: &Path, options: [(&str, bool); 3]) -> Result<(), Failure> {
+pub fn refuse_options<const N: usize>(path: &Path, options: [(&str, bool); N]) -> Result<(), Failure> {
     let Some((option, _)) = options.into_iter().find(|(_, given)| *given) else { return Ok(()) };
     let found = format!("{}: {option} is for flight logs, this is none", path.display());
     let help = "choose parts of a recording with --section NAME=FROM..TO, its columns with --column";

@@ -46,7 +46,7 @@ pub struct Content {
 /// Checks of the data by what became of them.
 #[derive(Clone, Debug, Serialize)]
 pub struct CheckRows {
-    /// Those that are there: name and words.
+    /// Those that are there and that no question has told: name and words.
     pub found: Vec<(String, String)>,
     /// Names of those that the data cannot tell.
     pub unknown: String,
@@ -143,7 +143,7 @@ impl Content {
                 Verdict::NotExcited | Verdict::CheckData => "none",
             },
             fit: fit_rows(answer, traces),
-            checks: check_rows(&answer.data_checks),
+            checks: check_rows(answer),
             effects: answer.effects.iter().map(effect_row).collect(),
             remainder: remainder_words(answer),
             parameters: parameter_rows(answer, model.map(|(_, model)| model)),
@@ -153,7 +153,8 @@ impl Content {
     }
 }
 
-fn verdict(verdict: Verdict) -> &'static str {
+/// The verdict in two or three words.
+pub fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::NoMismatch => "no mismatch",
         Verdict::Named => "missing physics named",
@@ -164,7 +165,8 @@ fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
-fn headline(answer: &Answer) -> String {
+/// What was found, as one sentence.
+pub fn headline(answer: &Answer) -> String {
     let sentences: Vec<String> = answer.effects.iter().map(|e| sentence(&e.id)).collect();
     match answer.verdict {
         Verdict::NoMismatch => "Nothing is missing that these data would show".into(),
@@ -184,7 +186,8 @@ fn headline(answer: &Answer) -> String {
     }
 }
 
-fn capitalised(text: &str) -> String {
+/// With a capital letter at its beginning.
+pub fn capitalised(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
 }
@@ -200,11 +203,12 @@ pub fn spoken(word: &impl Serialize) -> String {
     json.and_then(|v| v.as_str().map(|s| s.replace('_', " "))).unwrap_or_default()
 }
 
-fn check_rows(causes: &[DataCheck]) -> CheckRows {
-    let of = |state: State| causes.iter().filter(move |c| c.state == state);
+fn check_rows(answer: &Answer) -> CheckRows {
+    let of = |state: State| answer.data_checks.iter().filter(move |c| c.state == state);
+    let told = |c: &&DataCheck| answer.questions.iter().any(|q| q.answer.contains(&c.words));
     let names = |state: State| of(state).map(|c| spoken(&c.cause)).collect::<Vec<_>>().join(", ");
     CheckRows {
-        found: of(State::Found).map(|c| (spoken(&c.cause), c.words.clone())).collect(),
+        found: of(State::Found).filter(|c| !told(c)).map(|c| (spoken(&c.cause), c.words.clone())).collect(),
         unknown: names(State::CannotTell),
         ruled_out: names(State::RuledOut),
     }

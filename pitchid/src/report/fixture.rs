@@ -6,6 +6,7 @@ use sysid::diagnosis::answer::{
     ModelAnswer, NextExperiment, Remainder, VafAnswer, Verdict, WithError,
 };
 use sysid::diagnosis::data_checks::{DataCheck, Gravity};
+use sysid::diagnosis::questions::questions;
 use sysid::estimate::Estimate;
 use sysid::model::effect::Locus;
 
@@ -37,6 +38,7 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
         locus: Locus::PitchMoment,
         equation: "M -= Mc sign(q)".into(),
         parameters: vec![parameter],
+        by_part: BTreeMap::new(),
         probability: 0.7,
         alternatives: alternatives.clone(),
         share: 0.9,
@@ -52,7 +54,7 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
         horizons: BTreeMap::from([("1.0", WithError { value: free_run + 1.0, standard_error: 0.5 })]),
     };
     let held = |_| HeldOutAnswer { baseline: vaf(79.6), extended: vaf(96.3), terms: Vec::new() };
-    Answer {
+    let mut answer = Answer {
         schema: "pitchid.diagnosis/1",
         verdict,
         summary: "Dry friction, or a deadband.".into(),
@@ -88,7 +90,10 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
             DataCheck::ruled_out("rate_sign", "correlation 1.00"),
         ],
         notes: vec![HOSTILE.into()],
-    }
+        questions: Vec::new(),
+    };
+    answer.questions = questions(&answer);
+    answer
 }
 
 fn location() -> Location {

@@ -91,7 +91,9 @@ fn every_part_of_the_answer_is_shown() {
     for part in parts {
         assert!(page.contains(part), "{part}");
     }
-    assert!(page.contains("<dt>feedback</dt>") && page.contains("<dd>input hold</dd>"));
+    assert!(page.contains("<dt>Is the loop closed?</dt>") && page.contains("not to be told: half a sample"));
+    assert!(!page.contains("<dt>feedback</dt>"), "what a question has told is not told twice");
+    assert!(page.contains("<dd>input hold</dd>"));
     assert!(page.contains("<dd>rate sign</dd>"));
     assert!(page.contains("pitch damping") && page.contains("0.100") && page.contains("0.05 to 0.1 s"));
     assert_eq!(page.matches("<svg").count(), 5, "two sections, a term, a dependence, a moment over time");

@@ -44,7 +44,8 @@ impl Effect for PeriodicMoment {
                 name: "f_hz",
                 unit: "Hz",
                 lower: PERIODS / data.duration,
-                upper: 0.45 / data.step,
+                // Of fewer than two and a half samples a period a line is not told from its alias.
+                upper: 0.4 / data.step,
                 scale: Scale::Linear(0.5 / data.duration),
             },
             // Two turns, so that no phase stands at a bound.

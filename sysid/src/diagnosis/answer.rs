@@ -1,6 +1,7 @@
 //! The answer of a diagnosis, as it stands in JSON (`pitchid.diagnosis/1`).
 
 use super::data_checks::DataCheck;
+use super::questions::Question;
 use crate::estimate::Estimate;
 use crate::model::effect::Locus;
 use serde::Serialize;
@@ -33,6 +34,8 @@ pub struct Answer {
     pub verdict: Verdict,
     /// One to three plain sentences with numbers and units.
     pub summary: String,
+    /// The questions of a careful person, in their order.
+    pub questions: Vec<Question>,
     /// The terms added to the model, all of them and no others, largest share first.
     pub effects: Vec<EffectAnswer>,
     /// The effects that the user's model has, estimated again.
@@ -62,6 +65,8 @@ pub struct EffectAnswer {
     pub equation: String,
     /// Its parameters.
     pub parameters: Vec<Estimate>,
+    /// Its parameters as each part of the data has them by itself, all else held.
+    pub by_part: BTreeMap<String, Vec<WithError>>,
     /// Posterior probability that this term is in the model, over all models visited.
     pub probability: f64,
     /// Of what the fullest model gains over the baseline, the part that is lost without this term.

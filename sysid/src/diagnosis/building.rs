@@ -3,7 +3,7 @@
 use super::adequacy::Test;
 use super::answer::{
     Alternative, Answer, EffectAnswer, Evidence, FailedTest, FitAnswer, HeldOutAnswer, KnownAnswer, Location,
-    ModelAnswer, Remainder, VafAnswer, Verdict,
+    ModelAnswer, Remainder, VafAnswer, Verdict, WithError,
 };
 use super::ceiling::ceilings;
 use super::component::{Component, components};
@@ -57,6 +57,7 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
         schema: "pitchid.diagnosis/1",
         verdict: judgement.verdict,
         summary: String::new(),
+        questions: Vec::new(),
         effects: judgement.effects(&fit),
         in_model: judgement.in_model(&fit),
         remainder: judgement.remainder(&fit),
@@ -100,7 +101,7 @@ pub fn model_answer(problem: &Problem<'_>, parts: &[Part], model: &Visited) -> M
     }
 }
 
-fn by_horizon(scores: &Scores) -> BTreeMap<&'static str, super::answer::WithError> {
+fn by_horizon(scores: &Scores) -> BTreeMap<&'static str, WithError> {
     HORIZONS.into_iter().zip(scores.horizons.iter().map(|&h| h.into())).collect()
 }
 
@@ -209,6 +210,7 @@ impl Judgement<'_, '_> {
             locus: about.locus,
             equation: about.equation.into(),
             parameters: self.own(fit, about.id),
+            by_part: self.by_part(about.id),
             probability: finding.probability,
             share: finding.share,
             alternatives: finding.rivals.iter().map(alternative).collect(),
@@ -219,6 +221,17 @@ impl Judgement<'_, '_> {
                 held_out_log_likelihood: gain.log_likelihood.into(),
             },
         }
+    }
+
+    /// Parameters of the effect called `id` as each part of the data has them, where all of them move.
+    fn by_part(&self, id: &str) -> BTreeMap<String, Vec<WithError>> {
+        let Visited { fit, information, .. } = &self.selection.visited[self.place];
+        let Some(own) = fit.range_of(self.problem, id) else { return BTreeMap::new() };
+        let alone = |(i, part): (usize, &Part)| {
+            let values = information.alone(i, own.clone(), &fit.minimum.values)?;
+            Some((part.label.clone(), values.into_iter().map(WithError::from).collect()))
+        };
+        self.parts.iter().enumerate().filter_map(alone).collect()
     }
 
     fn remainder(&self, fit: &FitAnswer) -> Option<Remainder> {
@@ -326,6 +339,7 @@ impl Gust {
             locus: about.locus,
             equation: about.equation.into(),
             parameters: self.parameters.clone(),
+            by_part: BTreeMap::new(),
             probability: 1.0 / (1.0 + (-self.log_evidence).exp()),
             // A simulation cannot repeat it.
             share: 0.0,

@@ -57,7 +57,6 @@ pub fn summary(answer: &Answer) -> String {
         text.push_str(&format!(" Left beside it ({}): {}.", percent(remainder.share), remainder.words));
     }
     text.push_str(&off_in_model(answer));
-    text.push_str(&disagreement(answer));
     text
 }
 
@@ -78,27 +77,6 @@ fn off_in_model(answer: &Answer) -> String {
                 digits(*given)
             ));
         }
-    }
-    text
-}
-
-/// Which sections' rotations do not choose a term of the answer.
-fn disagreement(answer: &Answer) -> String {
-    let mut text = String::new();
-    for effect in &answer.effects {
-        let Some([chosen, of]) =
-            answer.fit.chosen_in.get(&effect.id).copied().filter(|[chosen, of]| chosen < of)
-        else {
-            continue;
-        };
-        let lacks = |(_, held): &(&String, &HeldOutAnswer)| !held.terms.contains(&effect.id);
-        let without: Vec<&str> =
-            answer.fit.held_out.iter().filter(lacks).map(|(label, _)| label.as_str()).collect();
-        text.push_str(&format!(
-            " {} is chosen in {chosen} of {of} rotations: not without {}.",
-            effect.id,
-            without.join(" or ")
-        ));
     }
     text
 }
@@ -129,7 +107,7 @@ fn capital(text: &str) -> String {
 }
 
 /// "99 %"; never 0 or 100, which no data give.
-fn percent(probability: f64) -> String {
+pub fn percent(probability: f64) -> String {
     match 100.0 * probability {
         p if p < 1.0 => "under 1 %".into(),
         p if p > 99.0 => "over 99 %".into(),
@@ -138,7 +116,7 @@ fn percent(probability: f64) -> String {
 }
 
 /// A term with its parameters.
-fn in_a_phrase(effect: &EffectAnswer) -> String {
+pub fn in_a_phrase(effect: &EffectAnswer) -> String {
     let Some(known) = find(&effect.id) else { return effect.equation.clone() };
     let parameters: Vec<String> = effect.parameters.iter().map(in_words).collect();
     format!("{} ({}: {})", known.about().sentence, effect.id, parameters.join(", "))

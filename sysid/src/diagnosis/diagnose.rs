@@ -21,7 +21,7 @@ use crate::likelihood::fit::fit_baseline;
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::effect::Effect;
-use crate::model::file::{ModelFile, PlantSection};
+use crate::model::file::ModelFile;
 use crate::recording::Recording;
 
 /// An answer with what a report shows beside it.
@@ -77,9 +77,20 @@ pub fn diagnose_with(
     catalogue: &[&'static dyn Effect],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Diagnosis, Error> {
+    diagnose_knowing(recordings, model, &[], catalogue, progress)
+}
+
+/// The same with effects of the model that are `held` at its values.
+pub fn diagnose_knowing(
+    recordings: &[Recording],
+    model: Option<&ModelFile>,
+    held: &[&'static str],
+    catalogue: &[&'static dyn Effect],
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Diagnosis, Error> {
     let data = Dataset::new(recordings)?;
     let baseline = match model {
-        Some(model) => Baseline::from_model(model, &data)?,
+        Some(model) => Baseline { held: held.to_vec(), ..Baseline::from_model(model, &data)? },
         None => Baseline::from_data(&data),
     };
     let notes = || {
@@ -92,7 +103,7 @@ pub fn diagnose_with(
     let parts = parts(&data, PARTS);
     let problem = Problem::new(&data, &baseline, &[]);
     let unanswered = |fitted: Option<&Visited>, verdict, summary, location| {
-        let known = model.cloned().unwrap_or_else(|| nothing_known(&baseline));
+        let known = model.cloned().unwrap_or_else(ModelFile::unknown);
         unanswered(&problem, &parts, fitted, Unanswered { verdict, summary, location, notes: notes(), known })
     };
     let dm_du = model.and_then(|m| m.plant.dm_du);
@@ -156,20 +167,6 @@ struct Unanswered {
     known: ModelFile,
 }
 
-/// The model of who has none: an inertia that every moment is divided by.
-fn nothing_known(baseline: &Baseline) -> ModelFile {
-    let plant = PlantSection {
-        inertia_kg_m2: baseline.plant.inertia,
-        delay_s: None,
-        dm_dq: None,
-        dm_du: None,
-        mount_k: None,
-        mount_c: None,
-        mount_j: None,
-    };
-    ModelFile { plant, effects: Vec::new(), intervals: Default::default() }
-}
-
 /// No physics is named; the baseline's fit is told where there is one.
 fn unanswered(
     problem: &Problem<'_>,
@@ -189,6 +186,7 @@ fn unanswered(
             schema: "pitchid.diagnosis/1",
             verdict: said.verdict,
             summary: said.summary,
+            questions: Vec::new(),
             effects: Vec::new(),
             in_model: Vec::new(),
             remainder: None,

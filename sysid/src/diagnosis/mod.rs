@@ -8,6 +8,7 @@
 
 pub mod adequacy;
 pub mod answer;
+pub mod axes;
 mod building;
 mod ceiling;
 mod change_point;
@@ -26,9 +27,11 @@ pub mod levels;
 mod locate;
 pub mod over_time;
 mod posterior;
+pub mod questions;
 mod rotation;
 mod search;
 mod selection;
+pub mod shared;
 pub mod traces;
 pub mod verdict;
 

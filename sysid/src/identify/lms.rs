@@ -25,7 +25,18 @@ pub struct LmsFit {
     pub left_out: usize,
 }
 
-/// Replays `pieces` through the core's estimator of N taps. Pieces of one run may come in any order, the runs are taken
+/// What the autopilot's own estimator came to in flight, and how it was set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OnBoard {
+    /// The taps, the first at lag 1 + d.
+    pub fir: Fir,
+    /// Its own verdict.
+    pub verdict: String,
+    /// Its settings.
+    pub lms: LmsConfig,
+}
+
+/// Replays `pieces` through the core's estimator of `lms.taps` taps, at most N. Pieces of one run may come in any order, the runs are taken
 /// in the order in which they first appear.
 ///
 /// Where the input is not in rad, `lms.regularisation_rad2` and `convergence.min_input_rms_rad` are in its unit.
@@ -41,9 +52,11 @@ pub fn replay<const N: usize>(
     let refuse = |error: estimator_core::ConfigError| {
         Error::new(ErrorKind::Options, error.to_string(), "correct the estimator's configuration")
     };
-    let window = N + usize::from(lms.input_delay);
+    let lms = LmsConfig { taps: lms.taps.min(N as u16), ..*lms };
+    let count = usize::from(lms.taps);
+    let window = count + usize::from(lms.input_delay);
     let mut replay = Replay {
-        lms: LmsConfig { taps: N as u16, ..*lms }.build::<N>().map_err(refuse)?,
+        lms: lms.build::<N>().map_err(refuse)?,
         meter: convergence.build().map_err(refuse)?,
         state: LmsState::default(),
         figures: ConvergenceState::default(),
@@ -60,7 +73,7 @@ pub fn replay<const N: usize>(
         replay.feed(&own, window);
     }
     let Replay { state, meter, figures, updates, left_out, .. } = replay;
-    let taps: Vec<f64> = state.taps().iter().map(|&w| f64::from(w)).collect();
+    let taps: Vec<f64> = state.taps().iter().take(count).map(|&w| f64::from(w)).collect();
     if !taps.iter().all(|w| w.is_finite()) {
         let found = "the taps left the range of single precision";
         let advice = "convert the input and the pitch rate to units in which they are near 1";

@@ -230,6 +230,29 @@ impl Information {
         })
     }
 
+    /// The unknowns `own` as part `part` of the data has them, each with its standard deviation: one Gauss–Newton step of theirs
+    /// alone from `values`, all else held. `None` where one of them does not move there.
+    pub fn alone(
+        &self,
+        part: usize,
+        own: impl Iterator<Item = usize> + Clone,
+        values: &[f64],
+    ) -> Option<Vec<(f64, f64)>> {
+        let places =
+            own.clone().map(|i| self.free.iter().position(|&j| j == i)).collect::<Option<Vec<usize>>>()?;
+        let Part { hessian, score } = self.parts.get(part)?;
+        let n = places.len();
+        let solver = factor(&DMatrix::from_fn(n, n, |a, b| hessian[(places[a], places[b])]))?;
+        let step = solver.solve(&DVector::from_fn(n, |a, _| score[places[a]]));
+        let covariance = solver.inverse() * self.divisor(own.clone());
+        let told = own.enumerate().map(|(a, i)| {
+            let coordinate = &self.coordinates[i];
+            let value = coordinate.outer(coordinate.inner(values[i]) - step[a].clamp(-3.0, 3.0));
+            (value, covariance[(a, a)].sqrt() * coordinate.stretch(value))
+        });
+        Some(told.collect())
+    }
+
     /// The unknowns fitted without part `part` of the data: one Gauss–Newton step from `values`, those that are `held` left
     /// where they are.
     pub fn without(&self, part: usize, values: &[f64], held: impl Fn(usize) -> bool) -> Vec<f64> {

@@ -150,7 +150,7 @@ impl<'a> Problem<'a> {
     /// user has them.
     fn known_coordinates(&self, term: &Term) -> Vec<Coordinate> {
         let id = term.effect.about().id;
-        let held = find(id).is_none() || id == GustDisturbance.about().id;
+        let held = self.baseline.held.contains(&id) || find(id).is_none() || id == GustDisturbance.about().id;
         let parameters = term.effect.parameters(&self.sizes).into_iter().zip(&term.values).enumerate();
         let known = |(i, (p, &value)): (usize, (Parameter, &f64))| {
             let mut coordinate = coordinate_of(&p);
@@ -380,7 +380,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-fn coordinate_of(p: &Parameter) -> Coordinate {
+/// The coordinate of a parameter.
+pub fn coordinate_of(p: &Parameter) -> Coordinate {
     let (log, step) = match p.scale {
         Scale::Log => (true, 1.0),
         Scale::Linear(step) => (false, step),

@@ -14,6 +14,8 @@ pub struct Baseline {
     pub delay_free: bool,
     /// Physics that the simulation already has, with its values.
     pub terms: Vec<Term>,
+    /// Ids of those that are held at their values: more than these data are known to say so.
+    pub held: Vec<&'static str>,
 }
 
 /// What an answer says where there is no model.
@@ -23,7 +25,7 @@ pub const ASSUMED: &str = "no model was given: unit inertia is assumed, so every
 impl Baseline {
     /// Without a user's model: unit inertia (moments per unit inertia) and a rigid IMU. The loop delay is estimated.
     pub fn from_data(data: &Dataset) -> Self {
-        Self { plant: regression(data), delay_free: true, terms: Vec::new() }
+        Self { plant: regression(data), delay_free: true, terms: Vec::new(), held: Vec::new() }
     }
 }
 

@@ -243,6 +243,20 @@ fn check_interval(key: &str, interval: Interval, effects: &[EffectEntry]) -> Res
 }
 
 impl ModelFile {
+    /// The model of who has none: unit inertia, by which every moment is divided, and nothing else.
+    pub fn unknown() -> Self {
+        let plant = PlantSection {
+            inertia_kg_m2: 1.0,
+            delay_s: None,
+            dm_dq: None,
+            dm_du: None,
+            mount_k: None,
+            mount_c: None,
+            mount_j: None,
+        };
+        Self { plant, effects: Vec::new(), intervals: BTreeMap::new() }
+    }
+
     /// The file's text; reads back to the same model.
     ///
     /// # Errors

@@ -11,13 +11,15 @@
 //! With u itself in place of w, anything of the input that the model leaves in e would come back by the input's own
 //! correlation; and neither that nor a delay in the loop puts a *later* w into e. The switches of an excitation outweigh
 //! by far what a controller adds to it, so the sums are taken twice, over all rows and (regression included) without those
-//! of a large w; the clearer of the two counts, its odds doubled. Where nothing is new between the switches, there is an
+//! of a large w, and once more over all rows up to a second ahead, more coarsely; the clearest counts, its odds multiplied, the
+//! [dwells](super::dwells) of a switching input among them. Where nothing is new between the switches, there is an
 //! excitation and nothing else.
 //!
 //! Sources: Haugh, JASA 71, 1976; White's (1980) variance, for errors of uneven size.
 
+use super::dwells::dwells;
 use super::{DataCheck, Gravity};
-use crate::dataset::Place;
+use crate::dataset::{Place, Run};
 use crate::estimate::digits;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
@@ -35,8 +37,10 @@ const SWITCH: f64 = 4.0;
 const TRIMMED: usize = 2;
 /// News, relative to the input's size, that is the rounding of the numbers.
 const ROUNDING: f64 = 1e-4;
-/// Later inputs that are looked at, s.
-const LATER_S: f64 = 0.1;
+/// Later inputs that are looked at, s: each of the next ones, and one in a few up to where a person reacts.
+const LATER_S: [f64; 2] = [0.1, 1.0];
+/// Most later inputs that are looked at.
+const MOST_LATER: usize = 10;
 /// Odds of finding feedback by chance in one recording.
 const ODDS: f64 = 1e-3;
 /// Least share of what is new in the input that the innovations must explain: below it, the bias is small.
@@ -65,6 +69,8 @@ impl Loops {
     pub fn new(recordings: &[Recording], problem: &Problem<'_>, fit: &Fit) -> Self {
         let mut loops = Self::default();
         let Some(innovations) = innovations(problem, fit) else { return loops };
+        let rates: Vec<Vec<f64>> = problem.data.runs.iter().map(Run::rate_or_slope).collect();
+        let angles: Vec<Vec<f64>> = problem.data.runs.iter().map(Run::angle_or_sum).collect();
         let (mut entered, mut rows) = (0usize, 0usize);
         for place in problem.data.places() {
             if closed_by_design(recordings, problem, &place) {
@@ -82,6 +88,8 @@ impl Loops {
             let section = Section {
                 u: &run.u[place.rows.clone()],
                 e: &innovations[place.run][place.rows.clone()],
+                rate: &rates[place.run][place.rows.clone()],
+                angle: &angles[place.run][place.rows.clone()],
                 supervised,
                 step: run.step,
             };
@@ -110,11 +118,7 @@ impl Loops {
         let found = self.tests.iter().filter(|(_, test)| self.is_closed(test));
         let mut parts: Vec<String> = found
             .map(|(label, test)| {
-                format!(
-                    "section {label} is not open loop: the innovations explain {:.1} % of what is new in the input within \
-                     the next {:.2} s (p = {:.0e})",
-                    100.0 * test.share, test.reach_s, test.p_value
-                )
+                format!("section {label} is not open loop: {} (p = {:.0e})", test.told(), test.p_value)
             })
             .collect();
         let heavy = !parts.is_empty() || self.share > OVERRIDDEN;
@@ -144,7 +148,7 @@ impl Loops {
         };
         let labels: Vec<&str> = self.tests.iter().map(|(label, _)| label.as_str()).collect();
         let words = format!(
-            "in {} the innovations say nothing of later inputs (least p = {}){by_design}",
+            "in {} the motion says nothing of later inputs (least p = {}){by_design}",
             labels.join(", "),
             digits(least)
         );
@@ -180,17 +184,38 @@ fn closed_by_design(recordings: &[Recording], problem: &Problem<'_>, place: &Pla
 struct Section<'a> {
     u: &'a [f64],
     e: &'a [Output],
+    rate: &'a [f64],
+    angle: &'a [f64],
     supervised: &'a [bool],
     step: f64,
 }
 
 /// The outcome for one section.
-struct Test {
-    p_value: f64,
-    /// Share of the variance of what is new in the input that the innovations explain, beyond what chance gives.
-    share: f64,
-    /// Time after an innovation that was looked at, s.
-    reach_s: f64,
+pub(super) struct Test {
+    pub(super) p_value: f64,
+    /// Share of the variance of what is new in the input that the motion explains, beyond what chance gives.
+    pub(super) share: f64,
+    pub(super) kind: Kind,
+}
+
+/// What was asked.
+pub(super) enum Kind {
+    /// The innovations against what is new in the input so many s later.
+    Later(f64),
+    /// The motion at a switch against the time to the next.
+    Dwell,
+}
+
+impl Test {
+    fn told(&self) -> String {
+        let share = 100.0 * self.share;
+        match self.kind {
+            Kind::Later(reach) => format!(
+                "the innovations explain {share:.1} % of what is new in the input within the next {reach:.2} s"
+            ),
+            Kind::Dwell => format!("the motion at a switch explains {share:.0} % of the time to the next"),
+        }
+    }
 }
 
 impl Section<'_> {
@@ -203,12 +228,16 @@ impl Section<'_> {
             return None;
         }
         let channels = uncorrelated(self.e);
-        let tests = [Some((whole.clone(), all.clone())), self.between_switches(taps, whole, &all)];
-        let tests: Vec<Test> = tests
-            .into_iter()
-            .flatten()
-            .filter_map(|(new, counts)| self.sums(&channels, &new, &counts))
-            .collect();
+        let later = |reach: f64, new: &[f64], counts: &[bool]| self.sums(&channels, new, counts, reach);
+        let [near, far] = LATER_S;
+        let between = self.between_switches(taps, whole.clone(), &all);
+        let tests = [
+            later(near, &whole, &all),
+            later(far, &whole, &all),
+            between.and_then(|(new, counts)| later(near, &new, &counts)),
+            dwells(self.u, self.rate, self.angle, self.supervised),
+        ];
+        let tests: Vec<Test> = tests.into_iter().flatten().collect();
         let odds = tests.len() as f64;
         let clearest = tests.into_iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
         Some(Test { p_value: (odds * clearest.p_value).min(1.0), ..clearest })
@@ -225,10 +254,12 @@ impl Section<'_> {
         (median_size(&new, &counts) > ROUNDING * typical_size(self.u, all)).then_some((new, counts))
     }
 
-    fn sums(&self, channels: &[Vec<f64>], new: &[f64], counts: &[bool]) -> Option<Test> {
-        let lags = ((LATER_S / self.step).round() as usize).clamp(3, 10);
+    /// Of innovations and what is new in the input up to `reach` s later.
+    fn sums(&self, channels: &[Vec<f64>], new: &[f64], counts: &[bool], reach: f64) -> Option<Test> {
+        let last = ((reach / self.step).round() as usize).max(3);
+        let lags: Vec<usize> = (1..=last).step_by(last.div_ceil(MOST_LATER)).collect();
         let (mut sum, mut share, mut fewest) = (0.0, 0.0, usize::MAX);
-        for lag in 1..=lags {
+        for &lag in &lags {
             // Rows without the supervisor from the innovation to the input that is new.
             let rows: Vec<usize> = (lag..new.len())
                 .filter(|&k| counts[k] && !self.supervised[k - lag..=k].contains(&true))
@@ -245,9 +276,9 @@ impl Section<'_> {
                 }
             }
         }
-        let freedom = (channels.len() * lags) as f64;
+        let freedom = (channels.len() * lags.len()) as f64;
         let p_value = ChiSquared::new(freedom).ok()?.sf(sum);
-        (fewest >= FEWEST).then_some(Test { p_value, share, reach_s: lags as f64 * self.step })
+        (fewest >= FEWEST).then_some(Test { p_value, share, kind: Kind::Later(last as f64 * self.step) })
     }
 }
 

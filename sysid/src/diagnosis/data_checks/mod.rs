@@ -7,9 +7,10 @@
 //! | `rate_sign`, `rate_unit` | the rate's integral against the angle (`motion`) |
 //! | `input_sign`, `input_unit` | ∂M/∂u as fitted against the user's model (`input`) |
 //! | `delay`, `input_hold` | the likelihood, the delay set free (`timing`) |
-//! | `feedback` | the innovations against later inputs (`feedback`) |
+//! | `feedback` | the innovations against later inputs (`feedback`), the motion at a switch against the next (`dwells`) |
 
 mod channels;
+mod dwells;
 mod feedback;
 #[cfg(test)]
 pub(crate) mod fixture;
@@ -19,6 +20,7 @@ mod timing;
 
 use super::answer::{Answer, Location, Verdict};
 use super::estimates::estimates_of;
+use super::questions::questions;
 use crate::dataset::Dataset;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
@@ -156,6 +158,7 @@ pub fn write(answer: &mut Answer, checks: Vec<DataCheck>) {
         );
     }
     answer.data_checks = checks;
+    answer.questions = questions(answer);
 }
 
 /// Parts as one sentence; the name of a column keeps its small letter.

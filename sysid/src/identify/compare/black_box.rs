@@ -5,10 +5,10 @@ use super::judging::Work;
 use crate::error::Error;
 use crate::identify::block_hankel::Instruments;
 use crate::identify::cross_validation::{Chosen, cross_validated};
-use crate::identify::fir::{FirOptions, Piece, fit};
+use crate::identify::fir::{Fir, FirOptions, Piece, fit};
 use crate::identify::kung::realise_by_free_run;
 use crate::identify::linear_model::LinearModel;
-use crate::identify::lms::{LmsFit, replay};
+use crate::identify::lms::{LmsFit, OnBoard, replay};
 use crate::identify::pi_moesp::Method;
 use crate::recording::InputUnit;
 use estimator_core::convergence::{ConvergenceConfig, Verdict};
@@ -16,17 +16,25 @@ use estimator_core::lms::LmsConfig;
 
 /// Amplitude that the on-board estimator's defaults are made for.
 const USUAL_AMPLITUDE: f64 = 0.015;
+/// Room of the replayed estimator.
+const MOST_TAPS: usize = 256;
 /// Below this cross-validated VAF the grey box's delay is doubted.
 const DOUBTFUL: f64 = 90.0;
 /// A delay must gain this many points of cross-validated VAF against the grey box's to be taken instead.
 const WORTH: f64 = 0.5;
 
 /// The on-board estimator over the training sections, and its realisation.
-pub(super) fn lms_and_kung(work: &Work) -> Vec<MethodResult> {
+pub(super) fn lms_and_kung(work: &Work, on_board: Option<&OnBoard>) -> Vec<MethodResult> {
+    let flown =
+        on_board.map(|flown| with_realisation(work, "LMS on board", &flown.fir, flown.verdict.clone()));
+    let mut lines: Vec<MethodResult> = flown.into_iter().flatten().collect();
     let name = "LMS FIR";
-    let fitted = match on_board_lms(work) {
+    let fitted = match replayed(work, on_board) {
         Ok(fitted) => fitted,
-        Err(error) => return vec![work.without_answer(name, &error)],
+        Err(error) => {
+            lines.push(work.without_answer(name, &error));
+            return lines;
+        }
     };
     let verdict = match fitted.convergence.verdict {
         Verdict::Converged => "converged".to_owned(),
@@ -36,20 +44,27 @@ pub(super) fn lms_and_kung(work: &Work) -> Vec<MethodResult> {
             100.0 * fitted.convergence.innovation_ratio
         ),
     };
-    let detail = format!("{} taps", fitted.fir.taps.len());
-    let realised = match realise_by_free_run(&fitted.fir, &work.training) {
+    lines.extend(with_realisation(work, name, &fitted.fir, verdict));
+    lines
+}
+
+/// Taps, and their realisation.
+fn with_realisation(work: &Work, name: &str, fir: &Fir, remark: String) -> [MethodResult; 2] {
+    let of_realisation = format!("{name} + Kung");
+    let realised = match realise_by_free_run(fir, &work.training) {
         Ok(found) => {
             let detail = format!("order {}", found.model.order());
-            work.line("LMS FIR + Kung", detail, LinearModel::Sampled(found.model), found.reason)
+            work.line(&of_realisation, detail, LinearModel::Sampled(found.model), found.reason)
         }
-        Err(error) => work.without_answer("LMS FIR + Kung", &error),
+        Err(error) => work.without_answer(&of_realisation, &error),
     };
-    vec![work.line(name, detail, LinearModel::Impulse(fitted.fir), verdict), realised]
+    let detail = format!("{} taps", fir.taps.len());
+    [work.line(name, detail, LinearModel::Impulse(fir.clone()), remark), realised]
 }
 
 /// The core's estimator; inputs in other units are brought to the size of the excitation that its defaults are made
-/// for, and the taps back.
-fn on_board_lms(work: &Work) -> Result<LmsFit, Error> {
+/// for, and the taps back. Set as it was in flight, where that is known.
+fn replayed(work: &Work, on_board: Option<&OnBoard>) -> Result<LmsFit, Error> {
     let factor = match work.data.input_unit {
         InputUnit::Rad => 1.0,
         _ => USUAL_AMPLITUDE / work.data.amplitudes(1.0, 1.0).u,
@@ -58,12 +73,9 @@ fn on_board_lms(work: &Work) -> Result<LmsFit, Error> {
         work.data.runs.iter().map(|run| run.u.iter().map(|u| u * factor).collect()).collect();
     let pieces: Vec<Piece<'_>> =
         work.training.iter().map(|piece| Piece { u: &scaled[piece.run], ..piece.clone() }).collect();
-    let (lms, convergence) = (LmsConfig::default(), ConvergenceConfig::default());
-    let mut fit = if work.taps() == 256 {
-        replay::<256>(&pieces, &lms, &convergence)?
-    } else {
-        replay::<60>(&pieces, &lms, &convergence)?
-    };
+    let usual = LmsConfig { taps: work.taps() as u16, ..LmsConfig::default() };
+    let lms = on_board.map_or(usual, |flown| flown.lms);
+    let mut fit = replay::<MOST_TAPS>(&pieces, &lms, &ConvergenceConfig::default())?;
     for tap in &mut fit.fir.taps {
         *tap *= factor;
     }

@@ -22,9 +22,10 @@ use super::linear_model::LinearModel;
 use super::output_error::delay_profile::DelayProfile;
 use super::output_error::identifiability::Identifiability;
 use crate::dataset::Dataset;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::estimate::Estimate;
 use crate::held_out::{Split, labels};
+use crate::identify::lms::OnBoard;
 use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::file::ModelFile;
 use crate::recording::{InputUnit, Recording};
@@ -110,7 +111,7 @@ pub struct SubspaceChoice {
 }
 
 /// What can be set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// The weight of the H∞ match; without one, order 15 at the cutoff that suits the data.
     pub weight: Option<Butterworth>,
@@ -118,6 +119,8 @@ pub struct Settings {
     pub replicates: usize,
     /// Seed of the bootstrap.
     pub seed: u64,
+    /// What the autopilot's own estimator came to in flight: a line of its own, and the settings of the one that is replayed.
+    pub on_board: Option<OnBoard>,
     /// Whether to profile the delay and to say what the data cannot tell.
     pub thorough: bool,
 }
@@ -125,7 +128,7 @@ pub struct Settings {
 impl Default for Settings {
     /// 100 records, everything that can be said.
     fn default() -> Self {
-        Self { weight: None, replicates: 100, seed: 1, thorough: true }
+        Self { weight: None, replicates: 100, seed: 1, on_board: None, thorough: true }
     }
 }
 
@@ -139,13 +142,26 @@ pub fn identify(
     model: Option<&ModelFile>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Identification, Error> {
+    identify_with(recordings, model, &Settings::default(), progress)
+}
+
+/// The same with other settings.
+///
+/// # Errors
+/// As [`identify`], and where the taps of an estimator on board are not of these recordings.
+pub fn identify_with(
+    recordings: &[Recording],
+    model: Option<&ModelFile>,
+    settings: &Settings,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Identification, Error> {
     let data = Dataset::new(recordings)?;
     let baseline = match model {
         Some(model) => Baseline::from_model(model, &data)?,
         None => Baseline::from_data(&data),
     };
     let split = Split::for_validation(&data);
-    let mut found = identify_on(&data, &split, &baseline, &Settings::default(), progress)?;
+    let mut found = identify_on(&data, &split, &baseline, settings, progress)?;
     found.notes = data.notes(recordings);
     if model.is_none() {
         found.notes.push(ASSUMED.into());
@@ -165,12 +181,15 @@ pub fn identify_on(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Identification, Error> {
     let work = Work::new(data, split)?;
+    if let Some(flown) = &settings.on_board {
+        belongs(flown, data, work.step)?;
+    }
     progress("fitting the grey box");
     let grey = grey_box::fit_all(&work, baseline, settings.thorough)?;
     let mut methods = Vec::new();
     progress("replaying the on-board LMS");
     if data.has_rate {
-        methods.extend(black_box::lms_and_kung(&work));
+        methods.extend(black_box::lms_and_kung(&work, settings.on_board.as_ref()));
     }
     methods.push(black_box::batch_fir(&work));
     progress("choosing subspace models by cross-validation");
@@ -201,6 +220,21 @@ pub fn identify_on(
         notes: Vec::new(),
         model: grey.model,
     })
+}
+
+/// Whether taps of an estimator on board can be those of the data.
+fn belongs(flown: &OnBoard, data: &Dataset, step: f64) -> Result<(), Error> {
+    let help = "give the taps that were written with this recording, or leave them out";
+    let refuse = |found: String| Err(Error::new(ErrorKind::Options, found, help));
+    if data.input_unit != InputUnit::Rad || !data.has_rate {
+        return refuse(
+            "taps of the on-board estimator are in rad/s per rad: they need u_rad and q_rad_s".into(),
+        );
+    }
+    if (flown.fir.step / step - 1.0).abs() > 0.01 {
+        return refuse(format!("the taps are {} s apart, the recording's samples {step} s", flown.fir.step));
+    }
+    Ok(())
 }
 
 /// The estimates with the unit of the input that the recordings have.

@@ -1,0 +1,100 @@
+//! The axes of one vehicle, diagnosed together: what they share once, and then each by itself.
+
+use super::diagnose::{Diagnosis, diagnose, diagnose_knowing};
+use super::shared::{Asked, SharedTerm, shared};
+use crate::catalogue::{CATALOGUE, find};
+use crate::dataset::Dataset;
+use crate::error::Error;
+use crate::model::baseline::{ASSUMED, Baseline};
+use crate::model::effect::Effect;
+use crate::model::file::{EffectEntry, ModelFile};
+use crate::recording::Recording;
+use std::collections::BTreeMap;
+
+/// One axis: its name, its recordings, and the user's model of it.
+pub struct AxisRecordings {
+    /// Name.
+    pub name: String,
+    /// Recordings in which the axis stands as the pitch axis does.
+    pub recordings: Vec<Recording>,
+    /// The user's simulation of it.
+    pub model: Option<ModelFile>,
+}
+
+/// What the axes share, and the diagnosis of each with that in its model.
+pub struct AxesDiagnosis {
+    /// What several axes have alike.
+    pub shared: Option<SharedTerm>,
+    /// Each axis, with what is shared in its model.
+    pub axes: Vec<(String, Diagnosis)>,
+}
+
+/// Diagnoses all `axes`. `progress` is told what is being done.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_axes(
+    axes: &[AxisRecordings],
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<AxesDiagnosis, Error> {
+    progress("looking for what the axes share");
+    let shared = shared_by(axes)?;
+    let mut diagnoses = Vec::with_capacity(axes.len());
+    for axis in axes {
+        let say = |what: &str| progress(&format!("{}: {what}", axis.name));
+        let own = shared.as_ref().filter(|term| term.axes.contains(&axis.name));
+        let mut diagnosis = match own {
+            Some(term) => {
+                let model = with(axis.model.as_ref(), term);
+                diagnose_knowing(&axis.recordings, Some(&model), &[term.id], &without_kind(term), &say)?
+            }
+            None => diagnose(&axis.recordings, axis.model.as_ref(), &say)?,
+        };
+        if own.is_some() && axis.model.is_none() {
+            diagnosis.answer.notes.push(ASSUMED.into());
+        }
+        diagnoses.push((axis.name.clone(), diagnosis));
+    }
+    Ok(AxesDiagnosis { shared, axes: diagnoses })
+}
+
+/// What the axes share, where that is more probable than nothing.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn shared_by(axes: &[AxisRecordings]) -> Result<Option<SharedTerm>, Error> {
+    let mut known = Vec::with_capacity(axes.len());
+    for axis in axes {
+        let data = Dataset::new(&axis.recordings)?;
+        let baseline = match &axis.model {
+            Some(model) => Baseline::from_model(model, &data)?,
+            None => Baseline::from_data(&data),
+        };
+        known.push((data, baseline));
+    }
+    let moves = |(data, _): &(Dataset, Baseline)| data.input_changes();
+    let asked: Vec<Asked<'_>> = axes
+        .iter()
+        .zip(&known)
+        .filter(|(_, known)| moves(known))
+        .map(|(axis, (data, baseline))| Asked { name: &axis.name, data, baseline })
+        .collect();
+    Ok(if asked.len() > 1 { shared(&asked) } else { None })
+}
+
+/// The catalogue without what would stand for the same as a shared term: which of them it is, all axes together have said.
+fn without_kind(term: &SharedTerm) -> Vec<&'static dyn Effect> {
+    let kind = find(term.id).and_then(Effect::class);
+    CATALOGUE.iter().copied().filter(|effect| kind.is_none() || effect.class() != kind).collect()
+}
+
+/// The model with what is shared in it.
+fn with(model: Option<&ModelFile>, term: &SharedTerm) -> ModelFile {
+    let mut model = model.cloned().unwrap_or_else(ModelFile::unknown);
+    let parameters = BTreeMap::from([(term.parameter.name.clone(), term.parameter.value)]);
+    match model.effects.iter_mut().find(|entry| entry.id == term.id) {
+        Some(entry) => entry.parameters = parameters,
+        None => model.effects.push(EffectEntry { id: term.id.into(), shape: None, parameters, remark: None }),
+    }
+    model
+}
