@@ -81,6 +81,8 @@ pub struct Part {
     pub places: Vec<Place>,
 }
 
+/// Span below which its ends are told to the tenth, s.
+const SHORT_S: f64 = 2.0;
 /// Most parts that are held out in turn.
 const MOST_PARTS: usize = 8;
 
@@ -138,7 +140,7 @@ fn spans(data: &Dataset, places: &[Place], pieces: usize) -> Vec<Part> {
             let full = sum >= total * (parts.len() + 1) as f64 / pieces as f64 && parts.len() + 1 < pieces;
             if full || last {
                 let run = &data.runs[place.run];
-                let label = format!("{:.0} to {:.0} s", run.time(begin), run.time(row));
+                let label = span(run.time(begin), run.time(row));
                 let piece = Place { label: label.clone(), run: place.run, rows: begin..row };
                 parts.push(Part { label, places: vec![piece] });
                 begin = row;
@@ -150,6 +152,14 @@ fn spans(data: &Dataset, places: &[Place], pieces: usize) -> Vec<Part> {
     }
     parts.retain(|part| part.places.iter().all(|place| !place.rows.is_empty()));
     parts
+}
+
+/// A span of time in words, a short one to the tenth.
+fn span(from: f64, to: f64) -> String {
+    let tenths = if to - from < SHORT_S { 10.0 } else { 1.0 };
+    // Adding 0 makes 0 of −0.
+    let [from, to] = [from, to].map(|t| (t * tenths).round() / tenths + 0.0);
+    format!("{from} to {to} s")
 }
 
 /// Labels of places.

@@ -22,7 +22,8 @@ fn identified(kind: &str) -> Option<Identification> {
     // what the independent program started from
     let mount = Mount { stiffness: 3.8689, damping: 0.02639, inertia: 5e-4 };
     let plant = Plant { inertia: 0.1705, dm_dq: -0.27, dm_du: 23.0, delay: 0.06, mount: Some(mount) };
-    let baseline = Baseline { plant, delay_free: true, terms: Vec::new(), held: Vec::new() };
+    let baseline =
+        Baseline { plant, delay_free: true, input_first: false, terms: Vec::new(), held: Vec::new() };
     let found = identify_on(&data, &split, &baseline, &Settings::default(), &|_| ()).unwrap();
     for method in &found.methods {
         let held = ["2:IV", "2:II"].map(|label| method.vaf_percent.get(label));

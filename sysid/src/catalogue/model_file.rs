@@ -50,7 +50,8 @@ impl Baseline {
             return Err(Error::new(ErrorKind::Model, found, "leave out those that matter least")
                 .expecting(format!("at most {most} (lags have 1, modes 2, terms with a memory 3)")));
         }
-        Ok(Self { plant, delay_free: model.plant.delay_s.is_none(), terms, held: Vec::new() })
+        let delay_free = model.plant.delay_s.is_none();
+        Ok(Self { plant, delay_free, input_first: false, terms, held: Vec::new() })
     }
 }
 

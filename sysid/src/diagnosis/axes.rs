@@ -1,10 +1,17 @@
 //! The axes of one vehicle, diagnosed together: what they share once, and then each by itself.
 
+use super::data_checks::is_of_the_controller;
 use super::diagnose::{Diagnosis, diagnose, diagnose_knowing};
+use super::excitation::{too_little, too_weak};
+use super::levels::PARTS;
 use super::shared::{Asked, SharedTerm, shared};
 use crate::catalogue::{CATALOGUE, find};
 use crate::dataset::Dataset;
 use crate::error::Error;
+use crate::held_out::parts;
+use crate::likelihood::evidence::Information;
+use crate::likelihood::fit::fit_baseline;
+use crate::likelihood::problem::Problem;
 use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::effect::Effect;
 use crate::model::file::{EffectEntry, ModelFile};
@@ -70,16 +77,29 @@ pub fn shared_by(axes: &[AxisRecordings]) -> Result<Option<SharedTerm>, Error> {
             Some(model) => Baseline::from_model(model, &data)?,
             None => Baseline::from_data(&data),
         };
-        known.push((data, baseline));
+        if let Some(baseline) = excited(axis, &data, &baseline) {
+            known.push((&axis.name, data, baseline));
+        }
     }
-    let moves = |(data, _): &(Dataset, Baseline)| data.input_changes();
-    let asked: Vec<Asked<'_>> = axes
-        .iter()
-        .zip(&known)
-        .filter(|(_, known)| moves(known))
-        .map(|(axis, (data, baseline))| Asked { name: &axis.name, data, baseline })
-        .collect();
+    let asked: Vec<Asked<'_>> =
+        known.iter().map(|(name, data, baseline)| Asked { name, data, baseline }).collect();
     Ok(if asked.len() > 1 { shared(&asked) } else { None })
+}
+
+/// The baseline of an axis that its input moves; `None` where the data cannot tell what the input does.
+fn excited(axis: &AxisRecordings, data: &Dataset, baseline: &Baseline) -> Option<Baseline> {
+    let free = Problem::new(data, baseline, &[]);
+    if !data.input_changes() || too_little(&free).is_some() {
+        return None;
+    }
+    let fit = fit_baseline(&free)?;
+    let input_first = is_of_the_controller(&axis.recordings, &free, &fit);
+    let baseline = Baseline { input_first, ..baseline.clone() };
+    let problem = Problem::new(data, &baseline, &[]);
+    let fit = if input_first { fit_baseline(&problem)? } else { fit };
+    let places: Vec<_> = parts(data, PARTS).into_iter().map(|part| part.places).collect();
+    let information = Information::new(&problem, &fit, &places)?;
+    too_weak(&problem, &fit, &information).is_none().then_some(baseline)
 }
 
 /// The catalogue without what would stand for the same as a shared term: which of them it is, all axes together have said.

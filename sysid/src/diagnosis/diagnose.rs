@@ -93,6 +93,20 @@ pub fn diagnose_knowing(
         Some(model) => Baseline { held: held.to_vec(), ..Baseline::from_model(model, &data)? },
         None => Baseline::from_data(&data),
     };
+    answered(&Asked { recordings, data: &data, model, catalogue, progress }, &baseline)
+}
+
+/// What is asked, whatever the baseline.
+struct Asked<'a> {
+    recordings: &'a [Recording],
+    data: &'a Dataset,
+    model: Option<&'a ModelFile>,
+    catalogue: &'a [&'static dyn Effect],
+    progress: &'a (dyn Fn(&str) + Sync),
+}
+
+fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> {
+    let &Asked { recordings, data, model, catalogue, progress } = asked;
     let notes = || {
         let mut notes = data.notes(recordings);
         if model.is_none() {
@@ -100,14 +114,18 @@ pub fn diagnose_knowing(
         }
         notes
     };
-    let parts = parts(&data, PARTS);
-    let problem = Problem::new(&data, &baseline, &[]);
+    let parts = parts(data, PARTS);
+    let problem = Problem::new(data, baseline, &[]);
     let unanswered = |fitted: Option<&Visited>, verdict, summary, location| {
         let known = model.cloned().unwrap_or_else(ModelFile::unknown);
         unanswered(&problem, &parts, fitted, Unanswered { verdict, summary, location, notes: notes(), known })
     };
     let dm_du = model.and_then(|m| m.plant.dm_du);
-    let mut checks = data_checks::of_recordings(recordings, &data, dm_du);
+    let mut checks = data_checks::of_recordings(recordings, data, dm_du);
+    let input_first = || {
+        progress("fitting again with the input first: the loop is closed");
+        answered(asked, &Baseline { input_first: true, ..baseline.clone() })
+    };
     let with_checks = |mut diagnosis: Diagnosis, checks: Vec<DataCheck>| {
         data_checks::write(&mut diagnosis.answer, checks);
         Ok(diagnosis)
@@ -118,7 +136,7 @@ pub fn diagnose_knowing(
     }
     if data_checks::stop(&checks) {
         checks.extend(data_checks::without_fit("not asked before the others are put right"));
-        let location = data_checks::everywhere(&checks, &data);
+        let location = data_checks::everywhere(&checks, data);
         return with_checks(unanswered(None, Verdict::CheckData, String::new(), Some(location)), checks);
     }
     let places: Vec<_> = parts.iter().map(|part| part.places.clone()).collect();
@@ -131,6 +149,9 @@ pub fn diagnose_knowing(
         )
     };
     let first = fit_baseline(&problem).ok_or_else(no_likelihood)?;
+    if data_checks::is_of_the_controller(recordings, &problem, &first) {
+        return input_first();
+    }
     let information = Information::new(&problem, &first, &places).ok_or_else(no_likelihood)?;
     if let Some(reason) = excitation::too_weak(&problem, &first, &information) {
         checks.extend(data_checks::without_fit("too weak to ask"));
@@ -144,9 +165,12 @@ pub fn diagnose_knowing(
     }
     progress("checking the data");
     let extended = &selection.visited[selection.extended].fit;
+    if data_checks::is_of_the_controller(recordings, &problem, extended) {
+        return input_first();
+    }
     checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du));
     if data_checks::stop(&checks) {
-        let location = data_checks::everywhere(&checks, &data);
+        let location = data_checks::everywhere(&checks, data);
         return with_checks(
             unanswered(Some(fitted), Verdict::CheckData, String::new(), Some(location)),
             checks,

@@ -3,7 +3,9 @@
 use super::adequacy::{Test, failing, tests};
 use super::answer::Verdict;
 use super::gust::{Gust, gust};
-use super::levels::{ADEQUACY, HELD_OUT_ERRORS, HORIZONS_S, MATERIAL, SEEN_IN_A_LOOP, WORTH_A_NAME};
+use super::levels::{
+    ADEQUACY, HELD_OUT_ERRORS, HORIZONS_S, LAST_THOUSANDTH, MATERIAL, SEEN_IN_A_LOOP, WORTH_A_NAME,
+};
 use super::posterior::{Finding, Selection};
 use super::rotation::{Rotation, rotate};
 use super::verdict::Grounds;
@@ -26,8 +28,8 @@ pub struct Judgement<'p, 'd> {
     pub place: usize,
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
-    /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, and facets of
-    /// another.
+    /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those
+    /// without which the motion is explained as well, and facets of another.
     pub small: Vec<Finding>,
     /// Its terms without a name.
     pub shapes: Vec<Finding>,
@@ -50,7 +52,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let gained_by_names = gain(selection.named);
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
         let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
-        let closed = closed(problem, &selection, &sections);
+        let closed_by = |place: usize| closed(problem, &selection, place, &sections);
+        let closed = closed_by(selection.named);
         // Names that close little give way to what closes more; names that leave next to nothing do not give way to shapes that
         // hold them as their special case.
         let has_all = |place: usize| {
@@ -64,8 +67,15 @@ impl<'p, 'd> Judgement<'p, 'd> {
         } else {
             selection.extended
         };
-        let (named, shapes): (Vec<Finding>, Vec<Finding>) =
+        let (mut named, shapes): (Vec<Finding>, Vec<Finding>) =
             selection.findings(problem, place).into_iter().partition(|finding| finding.named);
+        // A sensor with little noise has nearly all of the evidence, beside what moves the vehicle more.
+        let all_closed = closed_by(place);
+        for finding in &mut named {
+            let lost = finding.without.map_or(0.0, |less| all_closed - closed_by(less));
+            finding.share = finding.share.max(lost);
+        }
+        named.sort_by(|a, b| b.share.total_cmp(&a.share));
         let fit = &selection.visited[place].fit;
         let all = tests(problem, fit, &sections);
         let failed: Vec<Test> = failing(&all, ADEQUACY).into_iter().cloned().collect();
@@ -90,7 +100,9 @@ impl<'p, 'd> Judgement<'p, 'd> {
         };
         let is_small = |(i, finding): &(usize, Finding)| {
             let uncertain = finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len();
-            *i > 0 && (uncertain || finding.share < WORTH_A_NAME || !clear(finding)) || accounted(finding)
+            let immaterial = || finding.without.is_some_and(|less| closed_by(less) > 1.0 - LAST_THOUSANDTH);
+            *i > 0 && (uncertain || finding.share < WORTH_A_NAME || !clear(finding) || immaterial())
+                || accounted(finding)
         };
         let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
         let [small, named] =
@@ -142,10 +154,10 @@ fn ahead(rotation: &Rotation) -> f64 {
     last.map(|(vaf, _)| vaf).sum::<f64>() / rotation.parts.len().max(1) as f64
 }
 
-/// Share of what the baseline leaves of the motion at the longest horizon, the noise included, that the named terms close; 0
-/// where there are none, or where no such prediction is finite.
-fn closed(problem: &Problem<'_>, selection: &Selection, sections: &[Place]) -> f64 {
-    if selection.named == selection.baseline {
+/// Share of what the baseline leaves of the motion at the longest horizon, the noise included, that the model at `place` closes; 0
+/// where it is the baseline, or where no such prediction is finite.
+fn closed(problem: &Problem<'_>, selection: &Selection, place: usize, sections: &[Place]) -> f64 {
+    if place == selection.baseline {
         return 0.0;
     }
     let vaf = |place: usize| {
@@ -153,7 +165,7 @@ fn closed(problem: &Problem<'_>, selection: &Selection, sections: &[Place]) -> f
         let unpacked = problem.unpack(effects, &minimum.values);
         horizon_vaf(problem, &unpacked, sections, &HORIZONS_S)?.last().map(|(vaf, _)| *vaf)
     };
-    match (vaf(selection.baseline), vaf(selection.named)) {
+    match (vaf(selection.baseline), vaf(place)) {
         (Some(before), Some(after)) if before < 100.0 => ((after - before) / (100.0 - before)).max(0.0),
         _ => 0.0,
     }

@@ -9,9 +9,13 @@ pub const ADEQUACY: f64 = 0.01;
 pub const MATERIAL: f64 = 0.8;
 /// Standard errors over blocks by which a name must gain on held-out data to be one: one in a hundred by chance.
 pub const HELD_OUT_ERRORS: f64 = 2.33;
-/// Share below which a further name is told as a remainder, however certain it is. (The least share of a true second effect
+/// Share, of the evidence and of the motion, below which a further name is told as a remainder, however certain it is. (The least share of a true second effect
 /// in the practice set is 0.05.)
 pub const WORTH_A_NAME: f64 = 0.03;
+/// Share of the motion that the baseline leaves, 1 s ahead and the noise included, below which what a model leaves is significant
+/// where the sensors are good, and not material: a further name is told as a remainder where the model closes all but this
+/// without it. (Of the amplitude it is three hundredths: what nobody sees in a picture.)
+pub const LAST_THOUSANDTH: f64 = 1e-3;
 /// Prior probability that a further term is missing: half for nothing.
 pub const FURTHER_TERM: f64 = 0.5;
 /// Prior share of the named terms among those that may be missing: two to one against the shapes without a name.
@@ -24,6 +28,8 @@ pub const DATA_CHECK: f64 = 1e-3;
 pub const SHORTEST_S: f64 = 4.0;
 /// Widest 95 % interval of ∂M/∂u, relative, half width, with which the input still counts as seen.
 pub const WIDEST_GAIN_INTERVAL: f64 = 0.5;
+/// Widest 95 % interval of what axes share, relative, half width: a size that is not known is no finding.
+pub const WIDEST_SHARED_INTERVAL: f64 = 0.5;
 /// Parts into which data without sections are cut for the rotation: as many as a whole test has sections.
 pub const PARTS: usize = 4;
 /// Horizons of the predictions that a model is judged by, s.

@@ -40,7 +40,8 @@ pub struct Finding {
     pub log_evidence: f64,
     /// Odds of so large a gain in likelihood by chance (χ², the likelihood ratio divided by κ).
     pub p_value: f64,
-    /// Share of what the fullest model gains over the baseline that is lost without the term.
+    /// Share of what can be closed that is lost without the term: of the gain in evidence of the fullest model over the baseline,
+    /// or, for a name that is judged, of the motion 1 s ahead, whichever is more.
     pub share: f64,
     /// The model without it.
     pub without: Option<usize>,

@@ -39,7 +39,11 @@ pub fn questions(answer: &Answer) -> Vec<Question> {
         return all;
     }
     if answer.effects.is_empty() {
-        let answer = "nothing that these data would show".into();
+        let answer = match answer.remainder {
+            Some(_) => "nothing that has a name or a shape here; see what is left",
+            None => "nothing that these data would show",
+        };
+        let answer = answer.into();
         all.push(Question { question: "What is missing?", answer });
     }
     for (i, effect) in answer.effects.iter().enumerate() {
@@ -60,7 +64,7 @@ fn checked(answer: &Answer, causes: &[&str]) -> String {
     let told = causes.iter().filter_map(|cause| {
         let check = answer.data_checks.iter().find(|check| check.cause == *cause)?;
         Some(match check.state {
-            State::CannotTell => format!("not to be told: {}", check.words),
+            State::CannotTell => format!("cannot be told: {}", check.words),
             _ => check.words.clone(),
         })
     });
@@ -71,7 +75,10 @@ fn checked(answer: &Answer, causes: &[&str]) -> String {
 
 fn term(answer: &Answer, effect: &EffectAnswer) -> String {
     let mut parts = vec![format!("{}; {} of what can be closed", in_a_phrase(effect), percent(effect.share))];
-    if let Some([chosen, of]) = answer.fit.chosen_in.get(&effect.id) {
+    // Rotations that choose a rival choose the same in another name.
+    if let Some([chosen, of]) =
+        answer.fit.chosen_in.get(&effect.id).filter(|_| effect.alternatives.is_empty())
+    {
         parts.push(format!("found in {chosen} of {of} fits that each leave a part of the data out"));
     }
     parts.extend(constancy(effect));

@@ -11,6 +11,7 @@
 //! and on an axis whose data do not want it at any size, g_a is what is lost with it at z̄. Actuators may serve any set of
 //! axes (rotors that tilt the craft do not turn it: yaw comes from their reaction); a gyro's filter and a clock serve all.
 
+use super::levels::{PLAUSIBLE, WIDEST_SHARED_INTERVAL};
 use super::search::fit_one_more;
 use crate::catalogue::gyro_lag::GyroLag;
 use crate::catalogue::servo_lag::ServoLag;
@@ -151,6 +152,10 @@ pub fn shared(axes: &[Asked<'_>]) -> Option<SharedTerm> {
         let deviation = deviation * coordinate.stretch(value);
         Estimate::new(&coordinate.name, &coordinate.unit, value, deviation, coordinate.bounds)
     };
+    let parameter = estimate(best.z, best.deviation);
+    if 0.5 * (parameter.ci95[1] - parameter.ci95[0]) > WIDEST_SHARED_INTERVAL * parameter.value {
+        return None;
+    }
     let candidate = CANDIDATES[best.effect];
     let alone = best
         .axes
@@ -158,13 +163,13 @@ pub fn shared(axes: &[Asked<'_>]) -> Option<SharedTerm> {
         .filter_map(|&a| fitted[a].wants(candidate))
         .map(|said| estimate(said.z, said.deviation));
     let others = (0..axes.len()).filter(|a| !best.axes.contains(a)).collect::<Vec<_>>();
-    let rivals = all.iter().filter(|h| !std::ptr::eq(*h, best) && probability(h) >= super::levels::PLAUSIBLE);
+    let rivals = all.iter().filter(|h| !std::ptr::eq(*h, best) && probability(h) >= PLAUSIBLE);
     Some(SharedTerm {
         id: candidate.about().id,
         sentence: candidate.about().sentence,
         axes: names(&best.axes),
         not_on: names(&others),
-        parameter: estimate(best.z, best.deviation),
+        parameter,
         by_axis: alone.collect(),
         probability: probability(best),
         rivals: rivals.map(|h| (CANDIDATES[h.effect].about().id, names(&h.axes), probability(h))).collect(),

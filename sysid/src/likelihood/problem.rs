@@ -215,8 +215,11 @@ impl<'a> Problem<'a> {
         all
     }
 
-    /// Least delay that stamps can give, s.
+    /// Least delay that stamps can give, s; none below 0 where the input is known to come first.
     pub fn earliest(&self) -> f64 {
+        if self.baseline.input_first {
+            return 0.0;
+        }
         -STAMPED_EARLY * self.sizes.step / self.data.thinned as f64
     }
 

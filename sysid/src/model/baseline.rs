@@ -12,6 +12,9 @@ pub struct Baseline {
     pub plant: Plant,
     /// Whether the loop delay is estimated (otherwise the model's value is trusted, and `extra_delay` questions it).
     pub delay_free: bool,
+    /// Whether the input is known to come before the motion that it causes: where the loop is closed, what the controller makes of
+    /// a row's motion stands in the same row, and a fit that lets the motion come first finds the controller's inverse.
+    pub input_first: bool,
     /// Physics that the simulation already has, with its values.
     pub terms: Vec<Term>,
     /// Ids of those that are held at their values: more than these data are known to say so.
@@ -25,7 +28,8 @@ pub const ASSUMED: &str = "no model was given: unit inertia is assumed, so every
 impl Baseline {
     /// Without a user's model: unit inertia (moments per unit inertia) and a rigid IMU. The loop delay is estimated.
     pub fn from_data(data: &Dataset) -> Self {
-        Self { plant: regression(data), delay_free: true, terms: Vec::new(), held: Vec::new() }
+        let plant = regression(data);
+        Self { plant, delay_free: true, input_first: false, terms: Vec::new(), held: Vec::new() }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::error::{Error, ErrorKind};
 /// Label of rows between the sections.
 const BETWEEN: &str = "-";
 /// Label of a file that names no section.
-pub(super) const WHOLE: &str = "all";
+pub(crate) const WHOLE: &str = "all";
 
 /// Replaces the labels as the options say; a file without a single label becomes one section `all`.
 pub(super) fn relabel(table: &mut Table, options: &ReadOptions, notes: &mut Vec<Note>) -> Result<(), Error> {

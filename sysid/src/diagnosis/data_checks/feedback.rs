@@ -24,7 +24,7 @@ use crate::estimate::digits;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::pitch::Output;
-use crate::recording::Recording;
+use crate::recording::{Recording, WHOLE};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -113,12 +113,18 @@ impl Loops {
         self.tests.iter().any(|(_, test)| !self.is_closed(test))
     }
 
+    /// Whether some section is closed, by design or as found, and none was found to be open loop.
+    pub fn all_closed(&self) -> bool {
+        let asked = !self.closed.is_empty() || !self.tests.is_empty();
+        asked && !self.any_open()
+    }
+
     /// In words.
     pub fn check(&self) -> DataCheck {
         let found = self.tests.iter().filter(|(_, test)| self.is_closed(test));
         let mut parts: Vec<String> = found
             .map(|(label, test)| {
-                format!("section {label} is not open loop: {} (p = {:.0e})", test.told(), test.p_value)
+                format!("{} is not open loop: {} (p = {:.0e})", called(label), test.told(), test.p_value)
             })
             .collect();
         let heavy = !parts.is_empty() || self.share > OVERRIDDEN;
@@ -146,7 +152,7 @@ impl Loops {
         let Some(least) = self.tests.iter().map(|(_, test)| test.p_value).min_by(f64::total_cmp) else {
             return DataCheck::cannot_tell(CAUSE, format!("no section that could be tested{by_design}"));
         };
-        let labels: Vec<&str> = self.tests.iter().map(|(label, _)| label.as_str()).collect();
+        let labels: Vec<String> = self.tests.iter().map(|(label, _)| called(label)).collect();
         let words = format!(
             "in {} the motion says nothing of later inputs (least p = {}){by_design}",
             labels.join(", "),
@@ -154,6 +160,11 @@ impl Loops {
         );
         DataCheck::ruled_out(CAUSE, words)
     }
+}
+
+/// A section as it is called; a recording without sections is one.
+fn called(label: &str) -> String {
+    if label == WHOLE { "the recording".into() } else { format!("section {label}") }
 }
 
 fn innovations(problem: &Problem<'_>, fit: &Fit) -> Option<Vec<Vec<Output>>> {

@@ -122,6 +122,16 @@ pub fn of_fit(
     ]
 }
 
+/// Whether `fit` has the motion come before the input, by more than averages over a row make of it, and the loop is closed: the
+/// fit is that of the controller then.
+pub fn is_of_the_controller(recordings: &[Recording], problem: &Problem<'_>, fit: &Fit) -> bool {
+    let delay = problem.unpack(&fit.effects, &fit.minimum.values).plant.delay;
+    let within_a_row = 0.5 * (1.0 - 1.0 / problem.data.thinned as f64) * problem.sizes.step;
+    !problem.baseline.input_first
+        && delay < -within_a_row
+        && Loops::new(recordings, problem, fit).all_closed()
+}
+
 /// The causes that only a fit can tell, where there is none.
 pub fn without_fit(reason: &str) -> impl Iterator<Item = DataCheck> + '_ {
     OF_FIT.into_iter().map(move |cause| DataCheck::cannot_tell(cause, reason))
