@@ -4,7 +4,7 @@ use super::answer::{Answer, FitAnswer, Location, Verdict};
 use super::building::{build, model_answer};
 use super::ceiling::ceilings;
 use super::component::Component;
-use super::data_checks::{self, DataCheck};
+use super::data_checks::{self, DataCheck, Loops};
 use super::excitation;
 use super::judgement::Judgement;
 use super::levels::PARTS;
@@ -168,7 +168,8 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     if data_checks::is_of_the_controller(recordings, &problem, extended) {
         return input_first();
     }
-    checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du));
+    let loops = Loops::new(recordings, &problem, extended);
+    checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));
     if data_checks::stop(&checks) {
         let location = data_checks::everywhere(&checks, data);
         return with_checks(
@@ -177,7 +178,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         );
     }
     progress("holding out each section");
-    let judgement = Judgement::new(&problem, &parts, selection, data_checks::fed_back(&checks));
+    let judgement = Judgement::new(&problem, &parts, selection, loops.any_closed_unsaid());
     with_checks(build(&judgement, notes()), checks)
 }
 

@@ -50,7 +50,7 @@ const OVERRIDDEN: f64 = 0.5;
 /// Fewest samples that are tested.
 const FEWEST: usize = 200;
 /// Name of the check.
-pub const CAUSE: &str = "feedback";
+const CAUSE: &str = "feedback";
 
 /// What is known of each section's loop.
 #[derive(Default)]
@@ -111,6 +111,12 @@ impl Loops {
     /// Whether any section was found to be open loop.
     pub fn any_open(&self) -> bool {
         self.tests.iter().any(|(_, test)| !self.is_closed(test))
+    }
+
+    /// Whether a section that claims to be open loop was found not to be. Where the supervisor overrides the excitation it says
+    /// so, row by row.
+    pub fn any_closed_unsaid(&self) -> bool {
+        self.tests.iter().any(|(_, test)| self.is_closed(test))
     }
 
     /// Whether some section is closed, by design or as found, and none was found to be open loop.

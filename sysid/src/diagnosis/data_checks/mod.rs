@@ -26,7 +26,7 @@ use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Locus;
 use crate::recording::{NoteKind, Recording};
-use feedback::Loops;
+pub use feedback::Loops;
 use input::Response;
 use serde::Serialize;
 
@@ -104,15 +104,15 @@ pub fn of_recordings(recordings: &[Recording], data: &Dataset, dm_du: Option<f64
     ]
 }
 
-/// What a fit says beyond that.
+/// What a fit says beyond that; `loops` by its innovations.
 pub fn of_fit(
     recordings: &[Recording],
     problem: &Problem<'_>,
     fit: &Fit,
     dm_du: Option<f64>,
+    loops: &Loops,
 ) -> Vec<DataCheck> {
     let response = Response::new(recordings, problem, estimates_of(problem, fit), dm_du);
-    let loops = Loops::new(recordings, problem, fit);
     vec![
         response.sign(!loops.any_open()),
         response.unit(),
@@ -140,11 +140,6 @@ pub fn without_fit(reason: &str) -> impl Iterator<Item = DataCheck> + '_ {
 /// Whether no physics may be named.
 pub fn stop(causes: &[DataCheck]) -> bool {
     causes.iter().any(DataCheck::stops)
-}
-
-/// Whether feedback was found where the data claim an open loop.
-pub fn fed_back(checks: &[DataCheck]) -> bool {
-    checks.iter().any(|check| check.cause == feedback::CAUSE && check.state == State::Found)
 }
 
 /// Writes the checks into an answer: its list, the beginning of its summary, and, where one stops the diagnosis, its

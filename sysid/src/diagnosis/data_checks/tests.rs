@@ -43,7 +43,7 @@ fn a_sound_flight_is_cleared_of_everything() {
         assert_eq!(cause.state, State::RuledOut, "{cause:?}");
     }
     let all = fitted(&recording, &model(GAIN, 0.06), |recordings, problem, fit| {
-        of_fit(recordings, problem, fit, Some(GAIN))
+        of_fit(recordings, problem, fit, Some(GAIN), &Loops::new(recordings, problem, fit))
     });
     assert_eq!(all.iter().map(|c| c.cause).collect::<Vec<_>>(), OF_FIT);
     assert_eq!(states(&all), [State::RuledOut; 5], "{all:?}");
@@ -212,6 +212,12 @@ fn the_supervisor_is_told_as_a_fact() {
     assert!(few.words.contains("1.0 % of I") && !few.words.contains("not open loop"), "{few:?}");
     entered.supervised[300..1700].fill(true);
     assert_eq!(loops(&entered.recording(), 0.06).gravity, Gravity::Headline);
+    let unsaid = |flight: Flight| {
+        fitted(&flight.recording(), &model(GAIN, 0.06), |recordings, problem, fit| {
+            Loops::new(recordings, problem, fit).any_closed_unsaid()
+        })
+    };
+    assert!(!unsaid(entered) && unsaid(flight(1, 0.1)));
 }
 
 #[test]
