@@ -91,7 +91,7 @@ fn every_part_of_the_answer_is_shown() {
     for part in parts {
         assert!(page.contains(part), "{part}");
     }
-    assert!(page.contains("<dt>Is the loop closed?</dt>") && page.contains("not to be told: half a sample"));
+    assert!(page.contains("<dt>Is the loop closed?</dt>") && page.contains("cannot be told: half a sample"));
     assert!(!page.contains("<dt>feedback</dt>"), "what a question has told is not told twice");
     assert!(page.contains("<dd>input hold</dd>"));
     assert!(page.contains("<dd>rate sign</dd>"));
