@@ -1,9 +1,11 @@
 //! The axes of recordings of several: `u_roll_norm`, `p_rad_s` and so on read as one axis.
 
 use crate::failure::Failure;
+use crate::logs::recording::recording;
+use crate::logs::{Flight, TimeSpan, choose};
 use clap::ValueEnum;
 use flight_logs::axes::Axis;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use sysid::recording::{ColumnMap, Expression, NoteKind, ReadOptions, Recording, header, read};
 
 /// Units of an input, as they end its name.
@@ -80,8 +82,45 @@ fn beside(names: &[String], axis: Axis) -> Vec<(String, String)> {
     all.into_iter().filter(|(_, column)| names.contains(column)).collect()
 }
 
+/// What axes are read of.
+pub enum Readable {
+    /// One flight of a log.
+    Log(Box<Flight>),
+    /// A recording.
+    Table(PathBuf),
+}
+
+impl Readable {
+    /// The flight of a log that is meant, and the part of it.
+    pub fn flight(
+        flights: Vec<Flight>,
+        number: Option<usize>,
+        time: Option<&TimeSpan>,
+    ) -> Result<Self, Failure> {
+        let mut flight = choose(flights, number)?;
+        flight.cut(time)?;
+        Ok(Self::Log(Box::new(flight)))
+    }
+
+    /// The axes that may be asked, a log says itself which of them it has not; none of a recording of one axis alone.
+    pub fn axes(&self) -> Vec<Axis> {
+        match self {
+            Self::Log(_) => Axis::ALL.to_vec(),
+            Self::Table(path) => axes_of(path),
+        }
+    }
+
+    /// Reads one axis; without one a log's pitch, and of a recording what it has.
+    pub fn recording(&self, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
+        match self {
+            Self::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), options),
+            Self::Table(path) => recording_of(path, axis, options),
+        }
+    }
+}
+
 /// The axes that a recording has an input and a rate of; none where it cannot be read, or is of one axis alone.
-pub fn axes_of(path: &Path) -> Vec<Axis> {
+fn axes_of(path: &Path) -> Vec<Axis> {
     let Ok(names) = header(path) else { return Vec::new() };
     let has =
         |axis: &Axis| input(&names, *axis).is_some() && names.iter().any(|name| name == columns(*axis)[1]);
@@ -89,7 +128,7 @@ pub fn axes_of(path: &Path) -> Vec<Axis> {
 }
 
 /// Reads one axis of a recording as if it were the only one; what the user maps goes first.
-pub fn recording_of(path: &Path, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
+fn recording_of(path: &Path, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
     let Some(axis) = axis else { return Ok(read(path, options)?) };
     let names = header(path)?;
     let [_, rate, angle] = columns(axis);

@@ -1,9 +1,9 @@
 //! `pitchid compare`: what changed on a craft between two recordings.
 
-use crate::axes::{AxisChoice, axes_of, recording_of};
+use crate::axes::{AxisChoice, Readable};
 use crate::commands::reading::{model_at, options_with};
 use crate::failure::Failure;
-use crate::logs::{Flight, Source, TimeSpan, choose, open, recording::recording};
+use crate::logs::{Source, TimeSpan, open};
 use crate::output;
 use crate::progress::Progress;
 use crate::text::comparison::{AxisAnswer, text};
@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Part::open(arguments, &arguments.before, 0, &options)?,
         Part::open(arguments, &arguments.after, 1, &options)?,
     ];
-    let axes: Vec<Option<Axis>> = arguments.axis.wanted(&sides[0].axes(), &sides[1].axes());
+    let axes: Vec<Option<Axis>> = arguments.axis.wanted(&sides[0].what.axes(), &sides[1].what.axes());
     let (mut answers, mut refusals) = (Vec::new(), Vec::new());
     for axis in axes {
         let read = |side: &Part| side.recording(axis);
@@ -129,14 +129,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// One of the two.
 struct Part<'a> {
-    what: What,
+    what: Readable,
     time: Option<&'a TimeSpan>,
     options: &'a ReadOptions,
-}
-
-enum What {
-    Log(Box<Flight>),
-    Table(PathBuf),
 }
 
 impl<'a> Part<'a> {
@@ -150,48 +145,30 @@ impl<'a> Part<'a> {
         let number = arguments.flight.get(place).or(arguments.flight.last()).copied();
         let source = open(&[path.to_path_buf()], &arguments.columns)?.into_iter().next();
         let what = match source {
-            Some(Source::Log(flights)) => {
-                let mut flight = choose(flights, number)?;
-                flight.cut(time)?;
-                What::Log(Box::new(flight))
-            }
+            Some(Source::Log(flights)) => Readable::flight(flights, number, time)?,
             _ if number.is_some() => {
                 let found = format!("{}: --flight is for flight logs, this is none", path.display());
                 return Err(Failure::new(found, "choose a part of a recording with --time FROM..TO"));
             }
-            _ => What::Table(path.to_path_buf()),
+            _ => Readable::Table(path.to_path_buf()),
         };
         Ok(Self { what, time, options })
     }
 
-    /// The axes that have columns of their own; none of a recording of one axis alone.
-    fn axes(&self) -> Vec<Axis> {
-        match &self.what {
-            What::Log(_) => Axis::ALL.to_vec(),
-            What::Table(path) => axes_of(path),
-        }
-    }
-
     fn recording(&self, axis: Option<Axis>) -> Result<Recording, Failure> {
-        match &self.what {
-            What::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), self.options),
-            What::Table(path) => {
-                let mut recording = recording_of(path, axis, self.options)?;
-                if let Some(TimeSpan { from, to }) = self.time {
-                    let t = &recording.t;
-                    let [first, last] = [t[0], t[t.len() - 1]];
-                    let rows = t.partition_point(|t| t < from)..t.partition_point(|t| t < to);
-                    let within =
-                        recording.segments.iter().map(|s| s.start.max(rows.start)..s.end.min(rows.end));
-                    recording.segments = within.filter(|s| s.start + 2 < s.end).collect();
-                    if recording.segments.is_empty() {
-                        let found = format!("{}: nothing is recorded in --time {from}..{to}", path.display());
-                        let help = format!("its clock runs from {first:.3} to {last:.3} s");
-                        return Err(Failure::new(found, help));
-                    }
-                }
-                Ok(recording)
+        let mut recording = self.what.recording(axis, self.options)?;
+        if let (Readable::Table(path), Some(TimeSpan { from, to })) = (&self.what, self.time) {
+            let t = &recording.t;
+            let [first, last] = [t[0], t[t.len() - 1]];
+            let rows = t.partition_point(|t| t < from)..t.partition_point(|t| t < to);
+            let within = recording.segments.iter().map(|s| s.start.max(rows.start)..s.end.min(rows.end));
+            recording.segments = within.filter(|s| s.start + 2 < s.end).collect();
+            if recording.segments.is_empty() {
+                let found = format!("{}: nothing is recorded in --time {from}..{to}", path.display());
+                let help = format!("its clock runs from {first:.3} to {last:.3} s");
+                return Err(Failure::new(found, help));
             }
         }
+        Ok(recording)
     }
 }

@@ -1,9 +1,8 @@
 //! Recordings and models as arguments.
 
-use crate::axes::{AxisChoice, axes_of, recording_of};
+use crate::axes::{AxisChoice, Readable};
 use crate::failure::Failure;
-use crate::logs::recording::recording;
-use crate::logs::{Flight, Source, TimeSpan, choose, open, refuse_options};
+use crate::logs::{Source, TimeSpan, open, refuse_options};
 use clap::Args;
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
@@ -59,22 +58,6 @@ pub struct Reading {
     time: Option<TimeSpan>,
 }
 
-/// What is read: one flight of a log, or a table.
-enum What {
-    Log(Box<Flight>),
-    Table(PathBuf),
-}
-
-impl What {
-    /// Whether the axis may be asked: a log says itself where it has none.
-    fn has(&self, axis: Axis) -> bool {
-        match self {
-            Self::Log(_) => true,
-            Self::Table(path) => axes_of(path).contains(&axis),
-        }
-    }
-}
-
 /// The recordings of each axis that could be read, and why others could not.
 #[derive(Default)]
 pub struct ByAxis {
@@ -92,7 +75,8 @@ impl Reading {
             return Err(Failure::new(found, "choose --axis roll, pitch or yaw"));
         }
         let axis = self.axis.and_then(AxisChoice::one);
-        self.sources()?.iter().map(|source| self.recording(source, axis)).collect()
+        let options = self.options();
+        self.sources()?.iter().map(|source| source.recording(axis, &options)).collect()
     }
 
     /// Whether all axes are asked for.
@@ -102,10 +86,11 @@ impl Reading {
 
     /// The recordings of every axis that all sources have; of the others, why not.
     pub fn recordings_by_axis(&self) -> Result<ByAxis, Failure> {
-        let sources = self.sources()?;
+        let (sources, options) = (self.sources()?, self.options());
+        let axes: Vec<Vec<Axis>> = sources.iter().map(Readable::axes).collect();
         let mut all = ByAxis::default();
-        for axis in Axis::ALL.into_iter().filter(|axis| sources.iter().all(|source| source.has(*axis))) {
-            let read = sources.iter().map(|source| self.recording(source, Some(axis)));
+        for axis in Axis::ALL.into_iter().filter(|axis| axes.iter().all(|own| own.contains(axis))) {
+            let read = sources.iter().map(|source| source.recording(Some(axis), &options));
             match read.collect::<Result<Vec<Recording>, Failure>>() {
                 Ok(recordings) => all.read.push((axis, recordings)),
                 Err(refusal) => all.refused.push(refusal),
@@ -120,31 +105,23 @@ impl Reading {
         Ok(all)
     }
 
-    fn sources(&self) -> Result<Vec<What>, Failure> {
+    fn sources(&self) -> Result<Vec<Readable>, Failure> {
         let of = |source: Source| match source {
-            Source::Log(flights) => {
-                let mut flight = choose(flights, self.flight)?;
-                flight.cut(self.time.as_ref())?;
-                Ok(What::Log(Box::new(flight)))
-            }
+            Source::Log(flights) => Readable::flight(flights, self.flight, self.time.as_ref()),
             Source::Recording(path) => {
                 let given = [("--flight", self.flight.is_some()), ("--time", self.time.is_some())];
                 refuse_options(&path, given)?;
-                Ok(What::Table(path))
+                Ok(Readable::Table(path))
             }
         };
         open(&self.recordings, &self.columns)?.into_iter().map(of).collect()
     }
 
-    fn recording(&self, source: &What, axis: Option<Axis>) -> Result<Recording, Failure> {
-        let options = ReadOptions {
+    fn options(&self) -> ReadOptions {
+        ReadOptions {
             splits: self.splits.clone(),
             sections: self.sections.clone(),
             ..options_with(self.input, &self.columns)
-        };
-        match source {
-            What::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), &options),
-            What::Table(path) => recording_of(path, axis, &options),
         }
     }
 

@@ -16,6 +16,11 @@ use std::path::Path;
 const STATES_OF_CANDIDATES: usize = 5 * 2 + 2 * 3;
 
 impl Baseline {
+    /// The user's simulation where there is one, and otherwise [`Self::from_data`].
+    pub fn new(model: Option<&ModelFile>, data: &Dataset) -> Result<Self, Error> {
+        model.map_or_else(|| Ok(Self::from_data(data)), |model| Self::from_model(model, data))
+    }
+
     /// The user's simulation from a model file; what the file leaves out is started from the data.
     pub fn from_file(path: &Path, data: &Dataset) -> Result<Self, Error> {
         Self::from_model(&read_model(path)?, data)

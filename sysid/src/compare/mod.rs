@@ -124,11 +124,7 @@ pub fn compare(
         let mut data = Dataset::new(recordings)?;
         notes.extend(data.notes(recordings).into_iter().map(|note| format!("{name}: {note}")));
         let mean = side::take_mean(&mut data);
-        let baseline = match model {
-            Some(model) => Baseline::from_model(model, &data)?,
-            None => Baseline::from_data(&data),
-        };
-        let baseline = Baseline { delay_free: true, ..baseline };
+        let baseline = Baseline { delay_free: true, ..Baseline::new(model, &data)? };
         let problem = Problem::new(&data, &baseline, &[]);
         found.push(Side::new(&problem, mean, friction)?);
     }

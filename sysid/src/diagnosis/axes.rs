@@ -10,7 +10,7 @@ use crate::dataset::Dataset;
 use crate::error::Error;
 use crate::held_out::parts;
 use crate::likelihood::evidence::Information;
-use crate::likelihood::fit::fit_baseline;
+use crate::likelihood::fit::{Fit, fit_baseline};
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::effect::Effect;
@@ -73,21 +73,18 @@ pub fn shared_by(axes: &[AxisRecordings]) -> Result<Option<SharedTerm>, Error> {
     let mut known = Vec::with_capacity(axes.len());
     for axis in axes {
         let data = Dataset::new(&axis.recordings)?;
-        let baseline = match &axis.model {
-            Some(model) => Baseline::from_model(model, &data)?,
-            None => Baseline::from_data(&data),
-        };
-        if let Some(baseline) = excited(axis, &data, &baseline) {
-            known.push((&axis.name, data, baseline));
+        let baseline = Baseline::new(axis.model.as_ref(), &data)?;
+        if let Some((baseline, fit)) = excited(axis, &data, &baseline) {
+            known.push((&axis.name, data, baseline, fit));
         }
     }
     let asked: Vec<Asked<'_>> =
-        known.iter().map(|(name, data, baseline)| Asked { name, data, baseline }).collect();
+        known.iter().map(|(name, data, baseline, fit)| Asked { name, data, baseline, fit }).collect();
     Ok(if asked.len() > 1 { shared(&asked) } else { None })
 }
 
-/// The baseline of an axis that its input moves; `None` where the data cannot tell what the input does.
-fn excited(axis: &AxisRecordings, data: &Dataset, baseline: &Baseline) -> Option<Baseline> {
+/// The baseline of an axis that its input moves, and its fit; `None` where the data cannot tell what the input does.
+fn excited(axis: &AxisRecordings, data: &Dataset, baseline: &Baseline) -> Option<(Baseline, Fit)> {
     let free = Problem::new(data, baseline, &[]);
     if !data.input_changes() || too_little(&free).is_some() {
         return None;
@@ -99,7 +96,7 @@ fn excited(axis: &AxisRecordings, data: &Dataset, baseline: &Baseline) -> Option
     let fit = if input_first { fit_baseline(&problem)? } else { fit };
     let places: Vec<_> = parts(data, PARTS).into_iter().map(|part| part.places).collect();
     let information = Information::new(&problem, &fit, &places)?;
-    too_weak(&problem, &fit, &information).is_none().then_some(baseline)
+    too_weak(&problem, &fit, &information).is_none().then_some((baseline, fit))
 }
 
 /// The catalogue without what would stand for the same as a shared term: which of them it is, all axes together have said.

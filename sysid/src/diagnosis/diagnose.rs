@@ -89,10 +89,7 @@ pub fn diagnose_knowing(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Diagnosis, Error> {
     let data = Dataset::new(recordings)?;
-    let baseline = match model {
-        Some(model) => Baseline { held: held.to_vec(), ..Baseline::from_model(model, &data)? },
-        None => Baseline::from_data(&data),
-    };
+    let baseline = Baseline { held: held.to_vec(), ..Baseline::new(model, &data)? };
     answered(&Asked { recordings, data: &data, model, catalogue, progress }, &baseline)
 }
 

@@ -15,6 +15,7 @@ use crate::likelihood::fit::Fit;
 use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
+use std::cell::LazyCell;
 
 /// Everything that the answer is built from.
 pub struct Judgement<'p, 'd> {
@@ -52,7 +53,11 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let gained_by_names = gain(selection.named);
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
         let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
-        let closed_by = |place: usize| closed(problem, &selection, place, &sections);
+        let baseline = LazyCell::new(|| vaf_ahead(problem, &selection, selection.baseline, &sections));
+        let closed_by = |place: usize| match place == selection.baseline {
+            true => 0.0,
+            false => closed(*baseline, vaf_ahead(problem, &selection, place, &sections)),
+        };
         let closed = closed_by(selection.named);
         // Names that close little give way to what closes more; names that leave next to nothing do not give way to shapes that
         // hold them as their special case.
@@ -67,15 +72,19 @@ impl<'p, 'd> Judgement<'p, 'd> {
         } else {
             selection.extended
         };
-        let (mut named, shapes): (Vec<Finding>, Vec<Finding>) =
+        let (named, shapes): (Vec<Finding>, Vec<Finding>) =
             selection.findings(problem, place).into_iter().partition(|finding| finding.named);
         // A sensor with little noise has nearly all of the evidence, beside what moves the vehicle more.
         let all_closed = closed_by(place);
-        for finding in &mut named {
-            let lost = finding.without.map_or(0.0, |less| all_closed - closed_by(less));
-            finding.share = finding.share.max(lost);
-        }
-        named.sort_by(|a, b| b.share.total_cmp(&a.share));
+        let with_rest = |finding: Finding| {
+            let by_rest = finding.without.map(closed_by);
+            let share = finding.share.max(by_rest.map_or(0.0, |rest| all_closed - rest));
+            let immaterial = by_rest.is_some_and(|rest| rest > 1.0 - LAST_THOUSANDTH);
+            (Finding { share, ..finding }, immaterial)
+        };
+        let mut named: Vec<(Finding, bool)> = named.into_iter().map(with_rest).collect();
+        named.sort_by(|(a, _), (b, _)| b.share.total_cmp(&a.share));
+        let (named, immaterial): (Vec<Finding>, Vec<bool>) = named.into_iter().unzip();
         let fit = &selection.visited[place].fit;
         let all = tests(problem, fit, &sections);
         let failed: Vec<Test> = failing(&all, ADEQUACY).into_iter().cloned().collect();
@@ -100,8 +109,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         };
         let is_small = |(i, finding): &(usize, Finding)| {
             let uncertain = finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len();
-            let immaterial = || finding.without.is_some_and(|less| closed_by(less) > 1.0 - LAST_THOUSANDTH);
-            *i > 0 && (uncertain || finding.share < WORTH_A_NAME || !clear(finding) || immaterial())
+            *i > 0 && (uncertain || finding.share < WORTH_A_NAME || !clear(finding) || immaterial[*i])
                 || accounted(finding)
         };
         let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
@@ -154,18 +162,17 @@ fn ahead(rotation: &Rotation) -> f64 {
     last.map(|(vaf, _)| vaf).sum::<f64>() / rotation.parts.len().max(1) as f64
 }
 
-/// Share of what the baseline leaves of the motion at the longest horizon, the noise included, that the model at `place` closes; 0
-/// where it is the baseline, or where no such prediction is finite.
-fn closed(problem: &Problem<'_>, selection: &Selection, place: usize, sections: &[Place]) -> f64 {
-    if place == selection.baseline {
-        return 0.0;
-    }
-    let vaf = |place: usize| {
-        let Fit { effects, minimum } = &selection.visited[place].fit;
-        let unpacked = problem.unpack(effects, &minimum.values);
-        horizon_vaf(problem, &unpacked, sections, &HORIZONS_S)?.last().map(|(vaf, _)| *vaf)
-    };
-    match (vaf(selection.baseline), vaf(place)) {
+/// VAF of predictions at the longest horizon by the model at `place`, per cent; `None` where no such prediction is finite.
+fn vaf_ahead(problem: &Problem<'_>, selection: &Selection, place: usize, sections: &[Place]) -> Option<f64> {
+    let Fit { effects, minimum } = &selection.visited[place].fit;
+    let unpacked = problem.unpack(effects, &minimum.values);
+    horizon_vaf(problem, &unpacked, sections, &HORIZONS_S)?.last().map(|(vaf, _)| *vaf)
+}
+
+/// Share of what a VAF of `before`, per cent, leaves of the motion, the noise included, that one of `after` closes; 0 where either
+/// is none.
+fn closed(before: Option<f64>, after: Option<f64>) -> f64 {
+    match (before, after) {
         (Some(before), Some(after)) if before < 100.0 => ((after - before) / (100.0 - before)).max(0.0),
         _ => 0.0,
     }

@@ -18,7 +18,7 @@ use crate::catalogue::servo_lag::ServoLag;
 use crate::dataset::Dataset;
 use crate::estimate::Estimate;
 use crate::likelihood::evidence::Information;
-use crate::likelihood::fit::{Fit, fit_baseline, refit};
+use crate::likelihood::fit::{Fit, refit};
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
 use crate::model::effect::{Effect, Locus};
@@ -60,6 +60,8 @@ pub struct Asked<'a> {
     pub data: &'a Dataset,
     /// The model without what is asked for.
     pub baseline: &'a Baseline,
+    /// Its fit.
+    pub fit: &'a Fit,
 }
 
 /// What one axis says of an effect.
@@ -70,17 +72,16 @@ struct Said {
     divisor: f64,
 }
 
-/// One axis with its fit.
-struct Fitted<'a> {
+/// One axis with what its likelihood is made of.
+struct Posed<'a> {
     problem: Problem<'a>,
-    fit: Fit,
     asked: &'a Asked<'a>,
 }
 
-impl Fitted<'_> {
+impl Posed<'_> {
     /// The effect as this axis wants it; `None` where it wants none.
     fn wants(&self, effect: &'static dyn Effect) -> Option<Said> {
-        let fits = fit_one_more(&self.problem, &self.fit, &[effect]);
+        let fits = fit_one_more(&self.problem, self.asked.fit, &[effect]);
         let fit = fits.first()?;
         let information = Information::new(&self.problem, fit, &[])?;
         let own = fit.own_range(&self.problem, 0);
@@ -88,7 +89,7 @@ impl Fitted<'_> {
         let coordinate = &self.problem.coordinates(&fit.effects)[own.start];
         let value = fit.minimum.values[own.start];
         let deviation = information.deviations(&fit.minimum.values)[own.start] / coordinate.stretch(value);
-        let gain = 0.5 * (self.fit.criterion() - fit.criterion()) / divisor;
+        let gain = 0.5 * (self.asked.fit.criterion() - fit.criterion()) / divisor;
         deviation.is_finite().then(|| Said { z: coordinate.inner(value), deviation, gain, divisor })
     }
 
@@ -98,10 +99,10 @@ impl Fitted<'_> {
         baseline.terms.push(Term { effect, values: vec![value] });
         baseline.held.push(effect.about().id);
         let held = Problem::new(self.asked.data, &baseline, &[]);
-        let mut start = self.fit.minimum.values.clone();
+        let mut start = self.asked.fit.minimum.values.clone();
         start.insert(held.known_range().end - 1, value);
         let fit = refit(&held, &[], &start)?;
-        Some(0.5 * (self.fit.criterion() - fit.criterion()))
+        Some(0.5 * (self.asked.fit.criterion() - fit.criterion()))
     }
 }
 
@@ -116,24 +117,21 @@ struct Hypothesis {
 
 /// The effect that most probably is shared, where sharing one is more probable than sharing none.
 pub fn shared(axes: &[Asked<'_>]) -> Option<SharedTerm> {
-    let fitted: Vec<Fitted<'_>> = axes
+    let posed: Vec<Posed<'_>> = axes
         .iter()
-        .map(|asked| {
-            let problem = Problem::new(asked.data, asked.baseline, &[]);
-            let fit = fit_baseline(&problem)?;
-            Some(Fitted { problem, fit, asked })
-        })
-        .collect::<Option<_>>()?;
-    let sizes = fitted.first()?.problem.sizes;
+        .map(|asked| Posed { problem: Problem::new(asked.data, asked.baseline, &[]), asked })
+        .collect();
+    let sizes = posed.first()?.problem.sizes;
     let coordinates: Vec<Coordinate> = CANDIDATES
         .iter()
         .map(|effect| crate::likelihood::problem::coordinate_of(&effect.parameters(&sizes)[0]))
         .collect();
+    let said: Vec<Vec<Option<Said>>> =
+        CANDIDATES.iter().map(|&effect| posed.iter().map(|axis| axis.wants(effect)).collect()).collect();
     let mut all = Vec::new();
     for (effect, &candidate) in CANDIDATES.iter().enumerate() {
-        let said: Vec<Option<Said>> = fitted.iter().map(|axis| axis.wants(candidate)).collect();
         for set in sets(axes.len(), candidate.about().locus == Locus::Actuator) {
-            all.extend(hypothesis(effect, candidate, &coordinates[effect], &fitted, &said, set));
+            all.extend(hypothesis(effect, candidate, &coordinates[effect], &posed, &said[effect], set));
         }
     }
     let prior = ((1.0 - NONE) / all.len().max(1) as f64 / NONE).ln();
@@ -160,7 +158,7 @@ pub fn shared(axes: &[Asked<'_>]) -> Option<SharedTerm> {
     let alone = best
         .axes
         .iter()
-        .filter_map(|&a| fitted[a].wants(candidate))
+        .filter_map(|&a| said[best.effect][a].as_ref())
         .map(|said| estimate(said.z, said.deviation));
     let others = (0..axes.len()).filter(|a| !best.axes.contains(a)).collect::<Vec<_>>();
     let rivals = all.iter().filter(|h| !std::ptr::eq(*h, best) && probability(h) >= PLAUSIBLE);
@@ -186,7 +184,7 @@ fn hypothesis(
     effect: usize,
     candidate: &'static dyn Effect,
     coordinate: &Coordinate,
-    fitted: &[Fitted<'_>],
+    posed: &[Posed<'_>],
     said: &[Option<Said>],
     axes: Vec<usize>,
 ) -> Option<Hypothesis> {
@@ -200,7 +198,7 @@ fn hypothesis(
     let mut log_evidence: f64 = wanting.iter().map(|s| s.gain - 0.5 * weight(s) * (s.z - z).powi(2)).sum();
     let divisor = wanting.iter().map(|s| s.divisor).fold(1.0, f64::max);
     for &a in axes.iter().filter(|&&a| said[a].is_none()) {
-        log_evidence += fitted[a].gain_at(candidate, coordinate.outer(z))? / divisor;
+        log_evidence += posed[a].gain_at(candidate, coordinate.outer(z))? / divisor;
     }
     let deviation = total.sqrt().recip();
     let range = coordinate.inner(coordinate.bounds[1]) - coordinate.inner(coordinate.bounds[0]);

@@ -25,9 +25,8 @@ use std::path::Path;
 
 pub use columns::{InputUnit, KNOWN_COLUMNS};
 pub use expression::Expression;
-pub(crate) use sections::WHOLE;
-
 pub use options::{ColumnMap, InputHold, ReadOptions, SectionSpec};
+pub(crate) use sections::WHOLE;
 
 use crate::error::{Error, ErrorKind};
 use columns::Role;

@@ -156,10 +156,7 @@ pub fn identify_with(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Identification, Error> {
     let data = Dataset::new(recordings)?;
-    let baseline = match model {
-        Some(model) => Baseline::from_model(model, &data)?,
-        None => Baseline::from_data(&data),
-    };
+    let baseline = Baseline::new(model, &data)?;
     let split = Split::for_validation(&data);
     let mut found = identify_on(&data, &split, &baseline, settings, progress)?;
     found.notes = data.notes(recordings);
