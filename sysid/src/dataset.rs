@@ -83,6 +83,8 @@ pub struct Amplitudes {
     pub step: f64,
     /// End of the last sample since the start of its recording, s.
     pub duration: f64,
+    /// Reading at which the rate clips, rad/s, where it shows in all that was logged.
+    pub rate_limit: Option<f64>,
 }
 
 /// The runs of one vehicle's recordings.
@@ -272,19 +274,16 @@ impl Dataset {
         let q = deviation(rate.iter().map(Vec::as_slice));
         let theta = deviation(angle.iter().map(Vec::as_slice));
         let duration = self.runs.iter().map(|run| run.elapsed(run.len())).fold(step, f64::max);
+        let rate_limit =
+            self.runs.iter().map(|run| run.rate_limit).reduce(f64::max).filter(|l| l.is_finite());
         if self.input_changes() {
-            return Amplitudes {
-                u,
-                q,
-                theta,
-                moment: (dm_du * u).abs().max(f64::MIN_POSITIVE),
-                step,
-                duration,
-            };
+            let moment = (dm_du * u).abs().max(f64::MIN_POSITIVE);
+            return Amplitudes { u, q, theta, moment, step, duration, rate_limit };
         }
         let quickness = DECORRELATED.acos() / (decorrelation(&rate) as f64 * step);
         let moment = (inertia * q * quickness).max(f64::MIN_POSITIVE);
-        Amplitudes { u: moment / dm_du.abs().max(f64::MIN_POSITIVE), q, theta, moment, step, duration }
+        let u = moment / dm_du.abs().max(f64::MIN_POSITIVE);
+        Amplitudes { u, q, theta, moment, step, duration, rate_limit }
     }
 }
 

@@ -9,7 +9,7 @@ use sysid::model::effect::{Locus, Parameter};
 
 /// Signals of the size that the reference experiment has.
 const SIZES: Amplitudes =
-    Amplitudes { u: 0.015, q: 0.3, theta: 0.1, moment: 0.345, step: 0.02, duration: 90.0 };
+    Amplitudes { u: 0.015, q: 0.3, theta: 0.1, moment: 0.345, step: 0.02, duration: 90.0, rate_limit: None };
 
 const HEAD: &str = "# The catalogue: physics that a pitch model may leave out
 

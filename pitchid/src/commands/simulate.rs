@@ -236,7 +236,8 @@ mod tests {
     use sysid::model::baseline::Baseline;
     use sysid::model::effect::Effect;
 
-    const ANY: Amplitudes = Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 1.0 };
+    const ANY: Amplitudes =
+        Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 1.0, rate_limit: None };
 
     #[test]
     fn effects_are_parsed_with_and_without_parameters() {

@@ -3,8 +3,9 @@
 use crate::dataset::Amplitudes;
 use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
-/// M −= M_up for q > 0, M += M_down for q < 0 (Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994), with
-/// the sign of `coulomb_friction`; with the same value each way it is that.
+/// M −= M_up for q > 0, M += M_down for q < 0 (Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994): the same
+/// moment as `coulomb_friction` of (M_up + M_down)/2 beside a `trim_offset` of (M_down − M_up)/2, and no motion tells which of the
+/// two makes it.
 pub struct AsymmetricFriction;
 
 impl Effect for AsymmetricFriction {
@@ -12,7 +13,7 @@ impl Effect for AsymmetricFriction {
         About {
             id: "asymmetric_friction",
             locus: Locus::PitchMoment,
-            sentence: "dry friction in the pivot has another value nose-up than nose-down",
+            sentence: "dry friction in the pivot has another value nose-up than nose-down, or a constant moment acts beside it",
             equation: "M -= M_up for q > 0, M += M_down for q < 0",
             variable: "q",
             condition: "when the pitch rate changes sign",

@@ -115,7 +115,8 @@ fn term(entry: &EffectEntry) -> Result<Term, Error> {
 
 /// Names of an effect's parameters.
 fn parameter_names(effect: &dyn Effect) -> Vec<&'static str> {
-    let any = Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 100.0 };
+    let any =
+        Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 100.0, rate_limit: None };
     effect.parameters(&any).iter().map(|p| p.name).collect()
 }
 

@@ -50,14 +50,9 @@ impl Effect for RotorReaction {
     fn within_sample(&self) -> bool {
         true
     }
-    fn forcing(&self, p: &[f64], at: &Conditions) -> f64 {
+    fn impulse(&self, p: &[f64], at: &Conditions) -> f64 {
         let [from, to] = at.command_ends;
-        p[0] * (to - from) / at.dt
-    }
-    /// A kick early in the step turns the body for longer than one that is spread over it.
-    fn angle_rate(&self, p: &[f64], _q: f64, at: &Conditions) -> f64 {
-        let [from, to] = at.command_ends;
-        p[0] / at.inertia * (at.command - 0.5 * (from + to))
+        p[0] * (to - from)
     }
 }
 
@@ -67,12 +62,9 @@ mod tests {
 
     #[test]
     fn a_switch_kicks_the_body_at_its_time() {
-        let (jr, inertia, dt) = (0.2, 0.1, 0.01);
         // The command goes from 1 to 3 after a quarter of the step.
-        let at = Conditions { command: 2.5, command_ends: [1.0, 3.0], inertia, dt, ..Conditions::default() };
-        let rate = RotorReaction.forcing(&[jr], &at) * dt / inertia;
-        assert!((rate - 4.0).abs() < 1e-12);
-        let angle = 0.5 * rate * dt + RotorReaction.angle_rate(&[jr], 0.0, &at) * dt;
-        assert!((angle - rate * 0.75 * dt).abs() < 1e-12);
+        let at = Conditions { command: 2.5, command_ends: [1.0, 3.0], ..Conditions::default() };
+        assert_eq!(RotorReaction.impulse(&[0.2], &at), 0.4);
+        assert_eq!(at.command_left(), 0.75);
     }
 }

@@ -144,10 +144,17 @@ impl Effect for ScaledShape {
 mod tests {
     use super::*;
 
-    const FITTED_TO: Amplitudes =
-        Amplitudes { u: 0.015, q: 0.3, theta: 0.1, moment: 0.345, step: 0.02, duration: 90.0 };
+    const FITTED_TO: Amplitudes = Amplitudes {
+        u: 0.015,
+        q: 0.3,
+        theta: 0.1,
+        moment: 0.345,
+        step: 0.02,
+        duration: 90.0,
+        rate_limit: None,
+    };
     const OTHER: Amplitudes =
-        Amplitudes { u: 0.03, q: 0.7, theta: 0.4, moment: 0.7, step: 0.01, duration: 30.0 };
+        Amplitudes { u: 0.03, q: 0.7, theta: 0.4, moment: 0.7, step: 0.01, duration: 30.0, rate_limit: None };
 
     /// What a term does over one step from somewhere: moment, its own states after it, what is measured.
     fn act(term: &Term, sizes: Amplitudes) -> (f64, [f64; 3], Output) {

@@ -13,8 +13,9 @@ const GRID_S: f64 = 0.1;
 const PROFILE_S: [f64; 14] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.3, 1.6, 2.0, 2.5, 3.2, 4.0];
 /// Other values are fitted again for every moment with this effort.
 const EFFORT: Effort = Effort { iterations: 3, tolerance: 0.1 };
-/// Rise of −2 log likelihood at the ends of a 95 % interval of one parameter (χ², Wilks, 1938).
-const RISE: f64 = 3.841;
+/// Rise of −2 log likelihood at the ends of a 95 % interval of a moment: −2 ln(1 − √0.95) (Hansen, Econometrica 68, 2000,
+/// theorem 2), more than that of a parameter on which the likelihood depends smoothly.
+const RISE: f64 = 7.352;
 
 /// `fit`, or the same effects fitted from a better moment nearby.
 pub fn best_moment(problem: &Problem<'_>, fit: Fit) -> Fit {
@@ -35,11 +36,10 @@ pub fn best_moment(problem: &Problem<'_>, fit: Fit) -> Fit {
     })
 }
 
-/// 95 % interval of the moment at which the `i`-th effect of `fit` begins, from the likelihood's profile: the plant and the
-/// effects are fitted again for every moment, and the interval reaches to the farthest that is as likely. `None` where the
-/// effect has no such moment.
-pub fn interval(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<[f64; 2]> {
-    let place = place_of_moment(problem, fit, i)?;
+/// 95 % interval of the moment that stands at `place` of the unknowns, from the likelihood's profile: the plant and the effects
+/// are fitted again for every moment, and the interval reaches to the farthest that is as likely, with likelihood ratios
+/// divided by `divisor`.
+pub fn interval(problem: &Problem<'_>, fit: &Fit, place: usize, divisor: f64) -> [f64; 2] {
     let noise = problem.noise_range();
     let rise = |away: f64| {
         let there = at_moment(problem, fit, place, away, |j| !noise.contains(&j));
@@ -47,12 +47,12 @@ pub fn interval(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<[f64; 2]> 
     };
     let profile: Vec<[f64; 2]> = PROFILE_S.into_par_iter().map(|away| [rise(-away), rise(away)]).collect();
     let reach = |side: usize| {
-        let last = profile.iter().rposition(|rises| rises[side] <= RISE);
+        let last = profile.iter().rposition(|rises| rises[side] <= RISE * divisor);
         PROFILE_S[last.map_or(0, |last| (last + 1).min(PROFILE_S.len() - 1))]
     };
     let moment = fit.minimum.values[place];
     let Coordinate { bounds, .. } = problem.coordinates(&fit.effects).swap_remove(place);
-    Some([moment - reach(0), moment + reach(1)].map(|end| end.clamp(bounds[0], bounds[1])))
+    [moment - reach(0), moment + reach(1)].map(|end| end.clamp(bounds[0], bounds[1]))
 }
 
 /// Where the moment at which the `i`-th effect begins stands among all unknowns.

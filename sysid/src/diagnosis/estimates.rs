@@ -7,7 +7,7 @@ use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 
 /// All unknowns of `fit`, in their order; the intervals from the blocks' scores where these are more uneven than the
-/// information says. A moment in time is by the clock of the file.
+/// information says. A parameter that is no unknown may be anything in its range. A moment in time is by the clock of the file.
 pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Information>) -> Vec<Estimate> {
     let coordinates = problem.coordinates(&fit.effects);
     let values = &fit.minimum.values;
@@ -18,13 +18,19 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
         .map(|((c, &value), deviation)| Estimate::new(&c.name, &c.unit, value, deviation, c.bounds))
         .collect();
     for (i, effect) in fit.effects.iter().enumerate() {
-        let first = fit.own_range(problem, i).start;
-        if let (Some(own), Some(ci95)) = (effect.begins_at(), change_point::interval(problem, fit, i)) {
-            all[first + own].ci95 = ci95;
-        }
+        let own = fit.own_range(problem, i);
+        let first = own.start;
         let origin = problem.data.origin();
+        let beyond = effect.beyond_data(&values[own.clone()], &problem.sizes);
+        if let Some(beyond) = beyond {
+            all[first + beyond].ci95 = coordinates[first + beyond].bounds;
+        }
+        let divisor = information.map_or(1.0, |information| information.divisor(own));
         for moment in effect.moments() {
             let Estimate { value, ci95, .. } = &mut all[first + moment];
+            if Some(moment) != beyond {
+                *ci95 = change_point::interval(problem, fit, first + moment, divisor);
+            }
             *value += origin;
             *ci95 = ci95.map(|end| end + origin);
         }

@@ -41,7 +41,7 @@ const WIDEST_PRIOR: f64 = 100.0;
 pub struct Information {
     /// Unknowns that may move, by their place.
     free: Vec<usize>,
-    /// Parameters of effects that lie beyond what the data show: they count as none.
+    /// Parameters of effects that are no unknowns.
     beyond: Vec<usize>,
     /// Parameters of effects whose zero is none of the effect's.
     anywhere: Vec<usize>,

@@ -30,7 +30,10 @@ impl Fit {
     /// Whether a parameter of the `i`-th effect stands at a bound of what physics allows: then it stands for something else.
     pub fn at_bound(&self, problem: &Problem<'_>, i: usize) -> bool {
         let coordinates = problem.coordinates(&self.effects);
-        self.own_range(problem, i).any(|place| {
+        let own = self.own_range(problem, i);
+        let values = &self.minimum.values[own.clone()];
+        let beyond = self.effects[i].beyond_data(values, &problem.sizes).map(|beyond| own.start + beyond);
+        own.filter(|place| Some(*place) != beyond).any(|place| {
             let (bounds, value) = (coordinates[place].bounds, self.minimum.values[place]);
             let hair = 1e-6 * (bounds[1] - bounds[0]);
             value - bounds[0] < hair || bounds[1] - value < hair

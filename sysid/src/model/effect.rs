@@ -93,6 +93,14 @@ pub struct Conditions {
     pub sizes: Amplitudes,
 }
 
+impl Conditions {
+    /// Share of the step that is left when a held command jumps; 0 where it does not.
+    pub fn command_left(&self) -> f64 {
+        let [from, to] = self.command_ends;
+        if from == to { 0.0 } else { (self.command - from) / (to - from) }
+    }
+}
+
 /// What the model before leaves: its estimate of the moment that it lacks, over the longest run.
 #[derive(Clone, Debug, Default)]
 pub struct ResidualMoment {
@@ -188,8 +196,8 @@ pub trait Effect: Sync {
     fn begins_at(&self) -> Option<usize> {
         None
     }
-    /// Index of a parameter that says nothing at the values `p`, which lie beyond what these data show: there it is no
-    /// unknown.
+    /// Index of a parameter that is no unknown: it says nothing at the values `p`, which lie beyond what these data show, or
+    /// is read off the log.
     fn beyond_data(&self, _p: &[f64], _data: &Amplitudes) -> Option<usize> {
         None
     }
@@ -254,6 +262,10 @@ pub trait Effect: Sync {
     }
     /// Moment that the motion has no part in, N m, the mean over one step.
     fn forcing(&self, _p: &[f64], _at: &Conditions) -> f64 {
+        0.0
+    }
+    /// Angular impulse on the airframe, N m s, that the command's change within the step gives, when the command jumps.
+    fn impulse(&self, _p: &[f64], _at: &Conditions) -> f64 {
         0.0
     }
     /// Moment added to the airframe, N m, at pitch rate `q` and angle `theta`, with its own states `s`.

@@ -5,6 +5,7 @@ pub mod effect;
 pub mod file;
 pub mod innovation_filter;
 pub mod kalman;
+mod kick;
 pub mod noise;
 pub mod oscillator;
 pub mod pitch;

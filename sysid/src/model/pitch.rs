@@ -9,6 +9,7 @@ pub use part_of_a_term::Part;
 
 use super::innovation_filter::InnovationFilter;
 use super::kalman::{Channel, steady_gain};
+use super::kick::Kick;
 use super::shift::Shift;
 use super::transition::Transition;
 use crate::dataset::{Amplitudes, Run};
@@ -89,6 +90,8 @@ pub struct PitchModel<'a> {
     per_moment_of_substep: Vec<State>,
     /// Response of the state to a unit rate added to θ̇.
     per_angle_rate: State,
+    /// Response of the state at a substep's end to a unit angular impulse within it.
+    kick: Kick,
     /// Moment on the airframe per state, N m.
     moment_row: RowSVector<f64, STATES>,
     /// The states that are measured: rate and angle.
@@ -193,6 +196,7 @@ impl<'a> PitchModel<'a> {
             per_moment,
             per_moment_of_substep,
             per_angle_rate: exp.fixed_view::<STATES, 1>(0, STATES + 1).into_owned(),
+            kick: Kick::new(&(continuous * dt), &transition, plant.inertia),
             moment_row: continuous.row(Q) * plant.inertia,
             measured: (rate, angle),
             within_sample: terms.iter().any(|term| term.effect.within_sample()),
@@ -350,9 +354,17 @@ impl<'a> PitchModel<'a> {
             at.command = shift.apply(&run.u, k);
             at.command_ends = shift.ends(&run.u, k);
             let control = self.plant.dm_du * self.actuated(point, &at);
-            let forced = self.terms.iter().map(|term| term.effect.forcing(term.values, &at)).sum::<f64>();
+            let mut forced = self.terms.iter().map(|term| term.effect.forcing(term.values, &at)).sum::<f64>();
             if self.within_sample {
-                self.substep_with_terms(point, control, forced, &at);
+                let impulse =
+                    self.terms.iter().map(|term| term.effect.impulse(term.values, &at)).sum::<f64>();
+                let mut kicked = State::zeros();
+                if run.held {
+                    kicked = self.kick.left(at.command_left()) * (impulse / inertia_factor(&self.terms, &at));
+                } else {
+                    forced += impulse / at.dt;
+                }
+                self.substep_with_terms(point, control, forced, kicked, &at);
             } else {
                 driven += per_moment * (control + forced);
             }
@@ -374,13 +386,22 @@ impl<'a> PitchModel<'a> {
         u
     }
 
-    /// One substep under the control moment `control` and the moment `forced` that the motion has no part in.
-    fn substep_with_terms(&self, point: &mut Point, control: f64, forced: f64, at: &Conditions) {
+    /// One substep under the control moment `control` and the moment `forced` that the motion has no part in; `kicked` is what
+    /// a jump of the command adds to the state at its end.
+    fn substep_with_terms(
+        &self,
+        point: &mut Point,
+        control: f64,
+        forced: f64,
+        kicked: State,
+        at: &Conditions,
+    ) {
         let (before, driving) = (point.x, control + forced);
         let (moment, angle_rate) = self.nonlinear(&before, &point.own, driving, at);
         point.x = self.substep.apply(&before)
             + self.per_moment * (driving + moment)
-            + self.per_angle_rate * angle_rate;
+            + self.per_angle_rate * angle_rate
+            + kicked;
         let (corrected, corrected_rate) =
             self.nonlinear(&((before + point.x) * 0.5), &point.own, driving, at);
         point.x +=
@@ -472,9 +493,9 @@ impl<'a> PitchModel<'a> {
     }
 }
 
-/// Gives each of the `censored` rows the rate's innovation of another row, drawn by its number, with a sign drawn alike: a
-/// reading at the limit says that the rate is at least that, and neither that the model is right nor how strong the noise is
-/// (hot-deck imputation: Andridge and Little, Int. Stat. Rev. 78, 2010).
+/// Adds to the rate's innovation of each of the `censored` rows that of another row, drawn by its number, with a sign drawn
+/// alike: a reading at the limit says where the limit is and that the rate is at least that, and neither that the model is right
+/// nor how strong the noise is (hot-deck imputation: Andridge and Little, Int. Stat. Rev. 78, 2010).
 fn impute(innovations: &mut [Output], censored: &[usize]) {
     let mut is_censored = vec![false; innovations.len()];
     censored.iter().for_each(|&k| is_censored[k] = true);
@@ -486,7 +507,7 @@ fn impute(innovations: &mut [Output], censored: &[usize]) {
         // Knuth's multiplicative hash
         let drawn = (k as u32).wrapping_add(1).wrapping_mul(2_654_435_769);
         let sign = if drawn & 0x8000 == 0 { 1.0 } else { -1.0 };
-        innovations[k][0] = sign * innovations[donors[(drawn >> 16) as usize % donors.len()]][0];
+        innovations[k][0] += sign * innovations[donors[(drawn >> 16) as usize % donors.len()]][0];
     }
 }
 

@@ -162,7 +162,15 @@ mod tests {
     }
 
     fn start() -> Simulation {
-        let sizes = Amplitudes { u: 1.3, q: 0.7, theta: 0.5, moment: 2.6, step: STEP, duration: 15.0 };
+        let sizes = Amplitudes {
+            u: 1.3,
+            q: 0.7,
+            theta: 0.5,
+            moment: 2.6,
+            step: STEP,
+            duration: 15.0,
+            rate_limit: None,
+        };
         let plant = Plant { inertia: 1.0, dm_dq: -1.0, dm_du: 1.7, delay: 0.0, mount: None };
         let terms = vec![Term { effect: find("coulomb_friction").unwrap(), values: vec![0.1] }];
         Simulation::new(plant, terms, sizes)

@@ -38,8 +38,15 @@ fn normal(random: &mut Pcg64) -> f64 {
 /// What the model of such a vehicle leaves, its gain and damping fitted.
 pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
     let mut random = Pcg64::seed_from_u64(seed);
-    let sizes =
-        Amplitudes { u: 0.015, q: 0.3, theta: 0.1, moment: 0.35, step: STEP, duration: rows as f64 * STEP };
+    let sizes = Amplitudes {
+        u: 0.015,
+        q: 0.3,
+        theta: 0.1,
+        moment: 0.35,
+        step: STEP,
+        duration: rows as f64 * STEP,
+        rate_limit: None,
+    };
     let empty = || Some(Vec::new());
     let run = Run {
         recording: 0,
