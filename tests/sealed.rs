@@ -24,7 +24,7 @@ fn cases_that_went_wrong_once_stay_right() {
     for (case, concealed) in CASES {
         let recording =
             read(&folder.join(case).join("recording.csv"), &ReadOptions::default()).expect("it reads");
-        let model = read_model(&folder.join(case).join("model.toml")).expect("it reads");
+        let model = read_model(&folder.join(case).join("model.toml"), None).expect("it reads");
         let answer = diagnose(&[recording], Some(&model), &|_| ()).expect("there is an answer").answer;
         let ids: Vec<&str> = answer.effects.iter().map(|e| e.id.as_str()).collect();
         assert_eq!((answer.verdict, ids), (Verdict::Named, vec![concealed]), "{case}: {}", answer.summary);

@@ -89,7 +89,7 @@ impl Proof {
 /// Diagnoses one case, from its recording and its model, and lets the other methods try.
 fn answer(folder: &Folder, case: u64) -> Result<(), Error> {
     let recording = [read(&folder.of(case, RECORDING), &ReadOptions::default())?];
-    let model = read_model(&folder.of(case, MODEL))?;
+    let model = read_model(&folder.of(case, MODEL), None)?;
     let found = diagnose(&recording, Some(&model), &|_| ());
     let json = match &found {
         Ok(found) => files::json(&found.answer)?,

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::logs::recording::recording;
-use crate::logs::{Flight, TimeSpan, choose};
+use crate::logs::{Flight, Source, TimeSpan, choose, refuse_options};
 use clap::ValueEnum;
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
@@ -84,29 +84,33 @@ fn beside(names: &[String], axis: Axis) -> Vec<(String, String)> {
 
 /// What axes are read of.
 pub enum Readable {
-    /// One flight of a log.
+    /// One flight of a log, cut to the part that is meant.
     Log(Box<Flight>),
-    /// A recording.
-    Table(PathBuf),
+    /// A recording, and the part of it that is meant.
+    Table(PathBuf, Option<TimeSpan>),
 }
 
 impl Readable {
-    /// The flight of a log that is meant, and the part of it.
-    pub fn flight(
-        flights: Vec<Flight>,
-        number: Option<usize>,
-        time: Option<&TimeSpan>,
-    ) -> Result<Self, Failure> {
-        let mut flight = choose(flights, number)?;
-        flight.cut(time)?;
-        Ok(Self::Log(Box::new(flight)))
+    /// The flight of a log that is meant, or a recording; and the part of it.
+    pub fn new(source: Source, number: Option<usize>, time: Option<&TimeSpan>) -> Result<Self, Failure> {
+        match source {
+            Source::Log(flights) => {
+                let mut flight = choose(flights, number)?;
+                flight.cut(time)?;
+                Ok(Self::Log(Box::new(flight)))
+            }
+            Source::Recording(path) => {
+                refuse_options(&path, [("--flight", number.is_some())])?;
+                Ok(Self::Table(path, time.cloned()))
+            }
+        }
     }
 
     /// The axes that may be asked, a log says itself which of them it has not; none of a recording of one axis alone.
     pub fn axes(&self) -> Vec<Axis> {
         match self {
             Self::Log(_) => Axis::ALL.to_vec(),
-            Self::Table(path) => axes_of(path),
+            Self::Table(path, _) => axes_of(path),
         }
     }
 
@@ -114,7 +118,13 @@ impl Readable {
     pub fn recording(&self, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
         match self {
             Self::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), options),
-            Self::Table(path) => recording_of(path, axis, options),
+            Self::Table(path, time) => {
+                let mut recording = recording_of(path, axis, options)?;
+                if let Some(TimeSpan { from, to }) = time {
+                    recording.cut(*from, *to)?;
+                }
+                Ok(recording)
+            }
         }
     }
 }

@@ -33,7 +33,12 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     if is_stdout(Some(path)) {
         return print(text);
     }
-    std::fs::write(path, text).map_err(|error| Failure::unwritable(&path.display().to_string(), &error))
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes a file.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    std::fs::write(path, bytes).map_err(|error| Failure::unwritable(&path.display().to_string(), &error))
 }
 
 /// An answer as JSON text, indented.

@@ -15,7 +15,7 @@ fn main() -> Result<(), Error> {
         std::process::exit(2);
     };
     let recording = read(Path::new(&recording), &ReadOptions::default())?;
-    let model = arguments.next().map(|path| read_model(Path::new(&path))).transpose()?;
+    let model = arguments.next().map(|path| read_model(Path::new(&path), None)).transpose()?;
     let found = diagnose(&[recording], model.as_ref(), &|step| eprintln!("{step}"))?;
     println!("{}", found.answer.summary);
     for effect in &found.answer.effects {

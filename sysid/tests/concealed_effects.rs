@@ -188,7 +188,7 @@ fn model() -> ModelFile {
         "[plant]\ninertia_kg_m2 = {INERTIA}\ndelay_s = {}\ndM_dq_N_m_s = -{DAMPING}\ndM_du_N_m = {GAIN}\n",
         DT * DELAY as f64
     );
-    sysid::model::file::parse("model.toml", &text, &[]).expect("the model is well formed")
+    sysid::model::file::parse("model.toml", &text, None, &[]).expect("the model is well formed")
 }
 
 fn answer(recording: Recording) -> Answer {

@@ -11,7 +11,7 @@ use clap::Args;
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
 use sysid::compare::compare;
-use sysid::recording::{ColumnMap, InputHold, ReadOptions, Recording};
+use sysid::recording::{ColumnMap, InputHold};
 
 /// Says what changed on a craft between two recordings or flight logs of it
 ///
@@ -78,23 +78,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut inputs = vec![arguments.before.as_path(), arguments.after.as_path()];
     inputs.extend(arguments.model.as_deref());
     output::check(arguments.json.as_deref(), &inputs)?;
-    let model = arguments.model.as_deref().map(model_at).transpose()?;
     let options = options_with(arguments.input, &arguments.columns);
     let progress = Progress::start("reading");
-    let sides = [
-        Part::open(arguments, &arguments.before, 0, &options)?,
-        Part::open(arguments, &arguments.after, 1, &options)?,
-    ];
-    let axes: Vec<Option<Axis>> = arguments.axis.wanted(&sides[0].what.axes(), &sides[1].what.axes());
+    let sides = [side(arguments, &arguments.before, 0)?, side(arguments, &arguments.after, 1)?];
+    let axes: Vec<Option<Axis>> = arguments.axis.wanted(&sides[0].axes(), &sides[1].axes());
     let (mut answers, mut refusals) = (Vec::new(), Vec::new());
     for axis in axes {
-        let read = |side: &Part| side.recording(axis);
+        let read = |side: &Readable| side.recording(axis, &options);
         let pair = read(&sides[0]).and_then(|before| Ok([before, read(&sides[1])?]));
         match pair {
             Ok([before, after]) => {
                 let say = |what: &str| {
                     progress.say(&axis.map_or(what.to_owned(), |axis| format!("{axis}: {what}")));
                 };
+                let model = arguments.model.as_deref().map(|path| model_at(path, axis)).transpose()?;
                 let found = compare(&[before], &[after], model.as_ref(), arguments.friction, &say)?;
                 answers.push(AxisAnswer::new(axis, found));
             }
@@ -128,47 +125,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// One of the two.
-struct Part<'a> {
-    what: Readable,
-    time: Option<&'a TimeSpan>,
-    options: &'a ReadOptions,
-}
-
-impl<'a> Part<'a> {
-    fn open(
-        arguments: &'a Arguments,
-        path: &Path,
-        place: usize,
-        options: &'a ReadOptions,
-    ) -> Result<Self, Failure> {
-        let time = arguments.time.get(place).or(arguments.time.last());
-        let number = arguments.flight.get(place).or(arguments.flight.last()).copied();
-        let source = open(&[path.to_path_buf()], &arguments.columns)?.into_iter().next();
-        let what = match source {
-            Some(Source::Log(flights)) => Readable::flight(flights, number, time)?,
-            _ if number.is_some() => {
-                let found = format!("{}: --flight is for flight logs, this is none", path.display());
-                return Err(Failure::new(found, "choose a part of a recording with --time FROM..TO"));
-            }
-            _ => Readable::Table(path.to_path_buf()),
-        };
-        Ok(Self { what, time, options })
-    }
-
-    fn recording(&self, axis: Option<Axis>) -> Result<Recording, Failure> {
-        let mut recording = self.what.recording(axis, self.options)?;
-        if let (Readable::Table(path), Some(TimeSpan { from, to })) = (&self.what, self.time) {
-            let t = &recording.t;
-            let [first, last] = [t[0], t[t.len() - 1]];
-            let rows = t.partition_point(|t| t < from)..t.partition_point(|t| t < to);
-            let within = recording.segments.iter().map(|s| s.start.max(rows.start)..s.end.min(rows.end));
-            recording.segments = within.filter(|s| s.start + 2 < s.end).collect();
-            if recording.segments.is_empty() {
-                let found = format!("{}: nothing is recorded in --time {from}..{to}", path.display());
-                let help = format!("its clock runs from {first:.3} to {last:.3} s");
-                return Err(Failure::new(found, help));
-            }
-        }
-        Ok(recording)
-    }
+fn side(arguments: &Arguments, path: &Path, place: usize) -> Result<Readable, Failure> {
+    let time = arguments.time.get(place).or(arguments.time.last());
+    let number = arguments.flight.get(place).or(arguments.flight.last()).copied();
+    let source = open(&[path.to_path_buf()], &arguments.columns)?.into_iter().next();
+    Readable::new(source.unwrap_or_else(|| Source::Recording(path.to_path_buf())), number, time)
 }

@@ -6,9 +6,12 @@ use crate::progress::Progress;
 use crate::report::content::Content;
 use crate::{output, report, text};
 use clap::Args;
+use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
 use sysid::diagnosis::axes::{AxisRecordings, diagnose_axes};
 use sysid::diagnosis::{Diagnosis, diagnose};
+use sysid::model::file::to_toml;
+use sysid::recording::Recording;
 
 /// Says what physics the model of these recordings leaves out, and what adding it gains
 ///
@@ -53,7 +56,7 @@ Examples:
   pitchid diagnose flight.csv --model sim.toml --report flight.html --out-model extended.toml
   pitchid diagnose log.csv --column q_rad_s=gyro_y --section I=5..30 --section IV=65..90
   pitchid diagnose flight.ulg --axis roll --time 120..160
-  pitchid diagnose flight.ulg --axis all
+  pitchid diagnose flight.ulg --axis all --model vehicle.toml
   pitchid diagnose rig.csv --input interpolated --json - | jq .verdict
 
 Exit status: 0 a diagnosis was made, whatever it says; 2 the input could not be used.";
@@ -82,10 +85,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Diagnoses every axis, and what they share.
 fn all_axes(arguments: &Arguments) -> Result<(), Failure> {
-    let one_only = [&arguments.report, &arguments.out_model];
-    if arguments.reading.has_model() || one_only.iter().any(|path| path.is_some()) {
-        let found = "--axis all: --model, --report and --out-model are of one axis";
-        return Err(Failure::new(found, "choose --axis roll, pitch or yaw for these"));
+    if arguments.report.is_some() {
+        return Err(Failure::new(
+            "--axis all: a report is of one axis",
+            "choose --axis roll, pitch or yaw for it",
+        ));
     }
     let progress = Progress::start("reading");
     let ByAxis { read, refused } = arguments.reading.recordings_by_axis()?;
@@ -94,14 +98,19 @@ fn all_axes(arguments: &Arguments) -> Result<(), Failure> {
     {
         return Err(refusal);
     }
-    let axes: Vec<AxisRecordings> = read
-        .into_iter()
-        .map(|(axis, recordings)| AxisRecordings { name: axis.to_string(), recordings, model: None })
-        .collect();
+    let with_model = |(axis, recordings): (Axis, Vec<Recording>)| {
+        let model = arguments.reading.model_of(Some(axis))?;
+        Ok(AxisRecordings { name: axis.to_string(), recordings, model })
+    };
+    let axes = read.into_iter().map(with_model).collect::<Result<Vec<AxisRecordings>, Failure>>()?;
     let found = diagnose_axes(&axes, &|what| progress.say(what))?;
     drop(progress);
     if !output::is_stdout(arguments.json.as_deref()) {
         output::print(&text::axes::diagnoses(&found))?;
+    }
+    if let Some(path) = &arguments.out_model {
+        let models: Vec<_> = found.axes.iter().map(|(axis, d)| (axis.as_str(), &d.model)).collect();
+        output::write(path, &to_toml(&models)?)?;
     }
     let Some(path) = &arguments.json else { return Ok(()) };
     let answers: Vec<_> =

@@ -1,6 +1,7 @@
 //! What can be asked for. Each subcommand reads its arguments, calls the libraries and shows what they answer.
 
 mod compare;
+mod convert;
 mod demo;
 mod diagnose;
 mod fly;
@@ -32,6 +33,7 @@ Examples:
   pitchid diagnose flight.csv --model sim.toml --report flight.html
   pitchid identify test1.csv test2.csv --out-model fitted.toml
   pitchid compare before.csv after.csv                what changed on the craft
+  pitchid convert flight.ulg roll.csv --axis roll     a log's axis as a table
   pitchid reproduce paper --seeds 20
   pitchid simulate --effect coulomb_friction:Mc=0.1 --out friction.csv
   pitchid prove                                       conceal, seal, diagnose, count: how often it is right
@@ -44,6 +46,7 @@ Exit status:
 #[derive(Subcommand)]
 enum Command {
     Compare(compare::Arguments),
+    Convert(convert::Arguments),
     Demo(demo::Arguments),
     Diagnose(diagnose::Arguments),
     Fly(fly::Arguments),
@@ -62,6 +65,7 @@ enum Command {
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Fly(arguments) => fly::run(&arguments),

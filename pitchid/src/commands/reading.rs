@@ -2,7 +2,7 @@
 
 use crate::axes::{AxisChoice, Readable};
 use crate::failure::Failure;
-use crate::logs::{Source, TimeSpan, open, refuse_options};
+use crate::logs::{TimeSpan, open};
 use clap::Args;
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,8 @@ pub struct Reading {
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
 
-    /// The simulation in use today: plant and effects. Without it, the grey-box pitch model with Iyy known
+    /// The simulation in use today: plant and effects, [roll], [pitch], [yaw] where axes differ. Without it, the grey-box pitch
+    /// model with Iyy known
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
 
@@ -49,13 +50,13 @@ pub struct Reading {
     #[arg(long, value_name = "AXIS", help_heading = "Reading")]
     axis: Option<AxisChoice>,
 
+    /// The part to use, in seconds of the file's own clock
+    #[arg(long, value_name = "FROM..TO", help_heading = "Reading", allow_hyphen_values = true)]
+    time: Option<TimeSpan>,
+
     /// Which flight of a log that holds several, counted from 1
     #[arg(long, value_name = "N", help_heading = "Flight logs")]
     flight: Option<usize>,
-
-    /// The part of it to use, in seconds of the log's own clock
-    #[arg(long, value_name = "FROM..TO", help_heading = "Flight logs", allow_hyphen_values = true)]
-    time: Option<TimeSpan>,
 }
 
 /// The recordings of each axis that could be read, and why others could not.
@@ -106,14 +107,7 @@ impl Reading {
     }
 
     fn sources(&self) -> Result<Vec<Readable>, Failure> {
-        let of = |source: Source| match source {
-            Source::Log(flights) => Readable::flight(flights, self.flight, self.time.as_ref()),
-            Source::Recording(path) => {
-                let given = [("--flight", self.flight.is_some()), ("--time", self.time.is_some())];
-                refuse_options(&path, given)?;
-                Ok(Readable::Table(path))
-            }
-        };
+        let of = |source| Readable::new(source, self.flight, self.time.as_ref());
         open(&self.recordings, &self.columns)?.into_iter().map(of).collect()
     }
 
@@ -125,15 +119,16 @@ impl Reading {
         }
     }
 
-    /// Whether the user has a model.
-    pub fn has_model(&self) -> bool {
-        self.model.is_some()
+    /// Reads the user's model of the axis that is meant, with its name.
+    pub fn model(&self) -> Result<Option<(String, ModelFile)>, Failure> {
+        let axis = self.axis.and_then(AxisChoice::one);
+        let named = |path: &PathBuf, model| (path.display().to_string(), model);
+        Ok(self.model_of(axis)?.and_then(|model| Some(named(self.model.as_ref()?, model))))
     }
 
-    /// Reads the user's model, with its name.
-    pub fn model(&self) -> Result<Option<(String, ModelFile)>, Failure> {
-        let read = |path: &PathBuf| Ok((path.display().to_string(), model_at(path)?));
-        self.model.as_ref().map(read).transpose()
+    /// Reads the user's model of an axis.
+    pub fn model_of(&self, axis: Option<Axis>) -> Result<Option<ModelFile>, Failure> {
+        self.model.as_deref().map(|path| model_at(path, axis)).transpose()
     }
 
     /// Names of the recordings.
@@ -147,9 +142,9 @@ impl Reading {
     }
 }
 
-/// Reads a model file.
-pub fn model_at(path: &Path) -> Result<ModelFile, Failure> {
-    Ok(read_model(path)?)
+/// Reads the model of an axis in a model file.
+pub fn model_at(path: &Path, axis: Option<Axis>) -> Result<ModelFile, Failure> {
+    Ok(read_model(path, axis.map(|axis| axis.to_string()).as_deref())?)
 }
 
 /// How recordings are read with these columns.

@@ -1,6 +1,7 @@
 //! `pitchid show`: what a log holds, before any fit.
 
 mod content;
+mod page;
 mod words;
 
 use crate::failure::Failure;
@@ -9,7 +10,7 @@ use crate::output;
 use clap::Args;
 use content::{Shown, of_flight, of_recording};
 use flight_logs::axes::Axis;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use sysid::recording::{ReadOptions, read};
 
 /// Says what a flight log or a recording holds: whether it can serve, where something moves, what to set if not
@@ -40,18 +41,24 @@ pub struct Arguments {
     /// Print JSON instead, with the fields of all topics
     #[arg(long)]
     json: bool,
+
+    /// Write a page with pictures: one HTML file that needs nothing else
+    #[arg(long, value_name = "OUT.html")]
+    report: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
 Examples:
   pitchid show flight.ulg
-  pitchid show blackbox.bbl --flight 2 --axis roll
+  pitchid show blackbox.bbl --flight 2 --axis roll --report flight.html
   pitchid show 00000012.BIN --json | jq '.[0].axes[1].settings'
 
 Exit status: 0 it was read, whatever it holds; 2 the input could not be used.";
 
 /// Shows.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let inputs: Vec<&Path> = arguments.logs.iter().map(PathBuf::as_path).collect();
+    output::check(arguments.report.as_deref(), &inputs)?;
     let axes: Vec<Axis> = arguments.axis.map_or(Axis::ALL.to_vec(), |axis| vec![axis.into()]);
     let mut shown = Vec::new();
     for source in open(&arguments.logs, &[])? {
@@ -76,5 +83,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let text = if arguments.json { output::json(&shown)? } else { words::text(&shown) };
-    output::print(&text)
+    let on_stdout = output::is_stdout(arguments.report.as_deref());
+    if !on_stdout {
+        output::print(&text)?;
+    }
+    match &arguments.report {
+        Some(path) => {
+            output::write(path, &page::html(&shown)?)?;
+            if on_stdout || arguments.json {
+                Ok(())
+            } else {
+                output::print(&format!("\nreport: {}\n", path.display()))
+            }
+        }
+        None => Ok(()),
+    }
 }

@@ -162,7 +162,7 @@ fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
     scenario.air = arguments.air;
     let mut concealed = Vec::new();
     if let Some(path) = &arguments.model {
-        let model = read_model(path)?;
+        let model = read_model(path, None)?;
         scenario.plant = plant(&model, &path.display().to_string())?;
         concealed = effects(&model)?;
     }
@@ -259,9 +259,10 @@ mod tests {
     #[test]
     fn a_model_without_what_flying_needs_is_refused() {
         let text = "[plant]\ninertia_kg_m2 = 0.2\ndM_du_N_m = 20.0\ndelay_s = 0.05\n";
-        let model = sysid::model::file::parse("m.toml", text, &[]).unwrap();
+        let model = sysid::model::file::parse("m.toml", text, None, &[]).unwrap();
         assert!(plant(&model, "m.toml").unwrap_err().to_string().contains("dM_dq_N_m_s"));
-        let model = sysid::model::file::parse("m.toml", &format!("{text}dM_dq_N_m_s = -0.3\n"), &[]).unwrap();
+        let model =
+            sysid::model::file::parse("m.toml", &format!("{text}dM_dq_N_m_s = -0.3\n"), None, &[]).unwrap();
         let plant = plant(&model, "m.toml").unwrap();
         assert_eq!((plant.dm_dq, plant.dm_du, plant.delay_s, plant.mount), (-0.3, 20.0, 0.05, None));
     }
@@ -289,7 +290,7 @@ mod tests {
             [("scale_q_rad_s", 0.4), ("scale_theta_rad", 0.15), ("scale_u", 0.01), ("duration_s", 100.0)];
         for scaled in scaled_shape::all() {
             let shape = scaled.name_in_file();
-            let mut model = sysid::model::file::parse("m.toml", nominal, &[]).unwrap();
+            let mut model = sysid::model::file::parse("m.toml", nominal, None, &[]).unwrap();
             let bare = model.clone();
             let size = |name: &str| scales.iter().find(|(scale, _)| *scale == name).map_or(-0.02, |s| s.1);
             let parameters =

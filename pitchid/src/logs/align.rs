@@ -81,6 +81,29 @@ pub fn align(
     Ok(aligned)
 }
 
+/// A channel beside the axis at the times `clock`: the mean over the step where it is `held` or logged much faster, else on the
+/// straight line; where it is silent, its nearest row, as it costs the axis none. `None` of a channel that is slower than the
+/// clock, unless it is `slow` by nature, and of one whose stamps say nothing.
+pub fn beside(clock: &[f64], series: &Series, held: bool, slow: bool) -> Option<Vec<f64>> {
+    let series = forward(series, "", &mut Vec::new()).ok()?;
+    let (step, period) = (median_step(clock), median_step(&series.time_s));
+    if !slow && period > SLOWER * step {
+        return None;
+    }
+    let nearest = |t: f64| {
+        let next = series.time_s.partition_point(|&stamp| stamp < t).min(series.time_s.len() - 1);
+        let last = next.saturating_sub(1);
+        let nearer = if t - series.time_s[last] < series.time_s[next] - t { last } else { next };
+        series.values[nearer]
+    };
+    let at = |t: f64| match held {
+        true => mean_held(&series, t, t + step, period),
+        false if step > SLOWER * period => mean_around(&series, t, step, period),
+        false => between(&series, t),
+    };
+    Some(clock.iter().map(|&t| at(t).unwrap_or_else(|| nearest(t))).collect())
+}
+
 /// The rows whose stamps grow.
 fn forward(series: &Series, what: &str, notes: &mut Vec<String>) -> Result<Series, String> {
     let mut kept = Series::default();
@@ -229,6 +252,21 @@ mod tests {
         assert!(slow(false).angle.is_none() && slow(false).notes[0].contains("20.0 Hz"));
         let angle = slow(true).angle.unwrap();
         assert!(angle.windows(2).all(|pair| (pair[1] - pair[0] - 0.008).abs() < 1e-6));
+    }
+
+    #[test]
+    fn what_stands_beside_costs_no_row() {
+        let clock: Vec<f64> = (0..100).map(|k| 100.0 + 0.01 * f64::from(k)).collect();
+        let mut rate = series(100, 0.01, 0.0, |t| t);
+        rate.time_s.drain(40..60);
+        rate.values.drain(40..60);
+        let found = beside(&clock, &rate, false, false).unwrap();
+        assert!((found[10] - clock[10]).abs() < 1e-9);
+        assert_eq!([found[45], found[55]], [rate.values[39], rate.values[40]]);
+        let battery = series(10, 0.1, 0.0, |t| t);
+        assert!(beside(&clock, &battery, false, false).is_none());
+        assert!((beside(&clock, &battery, false, true).unwrap()[55] - 100.55).abs() < 1e-9);
+        assert!(beside(&clock, &series(2, 0.01, 0.0, |t| t), false, true).is_none());
     }
 
     #[test]

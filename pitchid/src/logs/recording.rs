@@ -1,7 +1,7 @@
 //! A flight of a log as a recording of one axis.
 
 use super::Flight;
-use super::align::{align, between, last_before};
+use super::align::{align, beside, between, last_before};
 use crate::failure::Failure;
 use flight_logs::Log;
 use flight_logs::axes::{Axis, Channel, Proposal, Series, Setting, assess, channels};
@@ -110,6 +110,53 @@ fn unknown(log: &Log, option: &str, source: &str) -> Failure {
     Failure::new(format!("{option}: the log has no channel {source}"), help)
 }
 
+/// A channel that stands beside an axis.
+struct Beside {
+    /// What a recording calls it.
+    column: &'static str,
+    channel: Channel,
+    /// Whether it is a command, held from row to row.
+    held: bool,
+    /// Whether it may be logged more slowly than the axis.
+    slow: bool,
+}
+
+/// The other axes' commands and rates, in the places that a recording has for those of roll and yaw beside pitch; thrust and
+/// supply.
+fn others(log: &Log, axis: Axis) -> Vec<Beside> {
+    let of = |axis| channels(log, axis);
+    let (thrust, battery) = {
+        let own = of(axis);
+        (own.thrust, own.battery)
+    };
+    let motion = match axis {
+        Axis::Pitch => {
+            let (roll, yaw) = (of(Axis::Roll), of(Axis::Yaw));
+            [
+                ("u_roll_norm", roll.input),
+                ("p_rad_s", roll.rate),
+                ("r_rad_s", yaw.rate),
+                ("phi_rad", roll.angle),
+            ]
+        }
+        Axis::Roll => {
+            let (pitch, yaw) = (of(Axis::Pitch), of(Axis::Yaw));
+            [("u_roll_norm", pitch.input), ("p_rad_s", pitch.rate), ("r_rad_s", yaw.rate), ("phi_rad", None)]
+        }
+        Axis::Yaw => {
+            let (roll, pitch) = (of(Axis::Roll), of(Axis::Pitch));
+            [("u_roll_norm", None), ("p_rad_s", roll.rate), ("r_rad_s", pitch.rate), ("phi_rad", None)]
+        }
+    };
+    let all = motion.into_iter().chain([("thrust_norm", thrust), ("battery_v", battery)]);
+    all.filter_map(|(column, channel)| {
+        let held = matches!(column, "u_roll_norm" | "thrust_norm");
+        let slow = matches!(column, "thrust_norm" | "battery_v");
+        Some(Beside { column, channel: channel?, held, slow })
+    })
+    .collect()
+}
+
 /// The recording of one axis of a flight.
 pub fn recording(flight: &Flight, axis: Axis, options: &ReadOptions) -> Result<Recording, Failure> {
     let log = &flight.log;
@@ -136,6 +183,18 @@ pub fn recording(flight: &Flight, axis: Axis, options: &ReadOptions) -> Result<R
     if let (Some(values), Some(angle)) = (aligned.angle, angle) {
         told += &format!(", angle {angle}");
         signals.push((theta.map.clone(), values));
+    }
+    let has_roll_unit = u.map.target == "u_norm";
+    for Beside { column, channel, held, slow } in others(log, axis) {
+        if column.starts_with("u_") && !has_roll_unit {
+            continue;
+        }
+        let Some(values) = beside(&aligned.t, &channel.series(log), held, slow) else { continue };
+        told += &format!(", {column} {channel}");
+        signals.push((
+            ColumnMap { target: column.into(), source: Expression::column(column), factor: 1.0 },
+            values,
+        ));
     }
     if axis != Axis::Pitch {
         told += &format!("; what is called pitch here is {axis}");

@@ -2,7 +2,7 @@
 
 mod component;
 pub mod content;
-mod decimate;
+pub mod decimate;
 mod dependence;
 mod over_time;
 pub mod traces;

@@ -23,7 +23,7 @@ impl Baseline {
 
     /// The user's simulation from a model file; what the file leaves out is started from the data.
     pub fn from_file(path: &Path, data: &Dataset) -> Result<Self, Error> {
-        Self::from_model(&read_model(path)?, data)
+        Self::from_model(&read_model(path, None)?, data)
     }
 
     /// The same, from a model that has been read.
@@ -86,8 +86,9 @@ pub fn model_file(plant: &Plant, terms: &[Term], origin: f64) -> ModelFile {
     }
 }
 
-/// Reads a model file against the catalogue of effects.
-pub fn read_model(path: &Path) -> Result<ModelFile, Error> {
+/// Reads the model of `axis` ([`crate::model::file::AXES`]) in a model file against the catalogue of effects; without one what a
+/// model of one axis has, else pitch.
+pub fn read_model(path: &Path, axis: Option<&str>) -> Result<ModelFile, Error> {
     let named = CATALOGUE.iter().map(|&effect| KnownEffect {
         id: effect.about().id,
         shape: None,
@@ -98,7 +99,7 @@ pub fn read_model(path: &Path) -> Result<ModelFile, Error> {
         shape: Some(effect.name_in_file()),
         parameters: parameter_names(effect),
     });
-    crate::model::file::read(path, &named.chain(nameless).collect::<Vec<_>>())
+    crate::model::file::read(path, axis, &named.chain(nameless).collect::<Vec<_>>())
 }
 
 /// An entry of a model file as a term of the model.

@@ -17,13 +17,16 @@ const SHARP: f64 = 0.05;
 /// The signals that shapes are made of, scaled by their sizes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Signals {
-    x: f64,
-    y: f64,
-    v: f64,
+    /// q/σ_q.
+    pub x: f64,
+    /// θ/σ_θ.
+    pub y: f64,
+    /// u_c/σ_u.
+    pub v: f64,
     /// Time as a share of the data's length.
-    t: f64,
+    pub t: f64,
     /// The term's own memory.
-    memory: [f64; 3],
+    pub memory: [f64; 3],
 }
 
 /// A term without a name.
@@ -309,45 +312,29 @@ impl Shape {
         (self.shapes)(signals).iter().zip(p).map(|(shape, c)| shape * c).sum()
     }
 
-    /// The term with its coefficients in words: how large it is where its variable is small and large.
-    pub fn described(&self, p: &[f64], sizes: &Amplitudes) -> String {
-        let at = |change: &dyn Fn(&mut Signals)| {
-            let mut signals = Signals::default();
-            change(&mut signals);
-            crate::estimate::digits(self.sum(p, &signals))
-        };
-        let [q, theta] = [sizes.q, sizes.theta].map(crate::estimate::digits);
-        let values = match self.id {
-            "of_q" => {
-                format!("{} and {} N m at q = -{q} and {q} rad/s", at(&|s| s.x = -1.0), at(&|s| s.x = 1.0))
-            }
-            "of_theta" => format!(
-                "{} and {} N m at theta = -{theta} and {theta} rad",
-                at(&|s| s.y = -1.0),
-                at(&|s| s.y = 1.0)
-            ),
-            "moment_over_time" => {
-                let moments: Vec<String> =
-                    (0..MOST).map(|i| at(&|s| s.t = i as f64 / (MOST - 1) as f64)).collect();
-                format!("{} N m from the first second to the last", moments.join(", "))
-            }
-            "gain_over_time" | "damping_over_time" => {
-                let moments: Vec<String> = (0..MOST)
-                    .map(|i| {
-                        at(&|s| {
-                            (s.x, s.v, s.t) = (1.0, 1.0, i as f64 / (MOST - 1) as f64);
-                        })
-                    })
-                    .collect();
-                format!("{} N m per usual amplitude from the first second to the last", moments.join(", "))
-            }
-            _ => {
-                let coefficients: Vec<String> = p.iter().map(|c| crate::estimate::digits(*c)).collect();
-                let unit = if self.measured { "rad/s" } else { "N m" };
-                format!("coefficients {} {unit}", coefficients.join(", "))
-            }
-        };
-        format!("{}: {values}", self.words)
+    /// Its id.
+    pub fn id(&self) -> &'static str {
+        self.id
+    }
+
+    /// What it is, as the end of "what is missing is ...".
+    pub fn words(&self) -> &'static str {
+        self.words
+    }
+
+    /// Whether it adds to the measured rate instead of the moment.
+    pub fn is_measured(&self) -> bool {
+        self.measured
+    }
+
+    /// Whether its variable has the signal `name` (`q`, `theta`, `u`).
+    pub fn depends_on(&self, name: &str) -> bool {
+        self.variable.split([' ', '|']).any(|signal| signal == name)
+    }
+
+    /// Its curves φ_i at `signals`.
+    pub fn curves(&self, signals: &Signals) -> Vec<f64> {
+        (self.shapes)(signals)[..self.count].to_vec()
     }
 }
 

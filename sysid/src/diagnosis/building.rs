@@ -11,6 +11,7 @@ use super::describe;
 use super::diagnose::Diagnosis;
 use super::estimates::estimates;
 use super::experiment;
+use super::formula::Formula;
 use super::gust::Gust;
 use super::judgement::Judgement;
 use super::locate::{band, dependences, time_windows};
@@ -21,6 +22,7 @@ use super::traces::traces;
 use crate::catalogue::find;
 use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::scaled_shape::UNLISTED;
+use crate::catalogue::shapes::SHAPES;
 use crate::estimate::Estimate;
 use crate::held_out::Part;
 use crate::likelihood::problem::Problem;
@@ -187,7 +189,7 @@ impl Judgement<'_, '_> {
         let named = self.named.iter().map(|f| self.effect(f, fit));
         let shapes = self.shapes.iter().map(|f| EffectAnswer {
             id: UNLISTED.into(),
-            equation: describe::shape(f.effect, self.values_of(f.effect.about().id), &self.problem.sizes),
+            equation: self.formula(f),
             ..self.effect(f, fit)
         });
         let mut effects: Vec<EffectAnswer> = match self.verdict {
@@ -223,6 +225,23 @@ impl Judgement<'_, '_> {
         }
     }
 
+    /// A term without a name in a sentence.
+    fn formula(&self, finding: &Finding) -> String {
+        let Visited { fit, information, .. } = &self.selection.visited[self.place];
+        let id = finding.effect.about().id;
+        let known = SHAPES.iter().find(|shape| shape.id() == id).zip(fit.range_of(self.problem, id));
+        let Some((shape, own)) = known else { return String::new() };
+        let values = &fit.minimum.values;
+        let deviation = |g: &[f64]| {
+            let mut gradient = vec![0.0; values.len()];
+            gradient[own.clone()].copy_from_slice(g);
+            information.deviation_along(values, &gradient)
+        };
+        let input_unit = self.problem.data.input_unit.symbol();
+        let sizes = &self.problem.sizes;
+        Formula { shape, p: &values[own.clone()], deviation: &deviation, sizes, input_unit }.in_words()
+    }
+
     /// Parameters of the effect called `id` as each part of the data has them, where all of them move.
     fn by_part(&self, id: &str) -> BTreeMap<String, Vec<WithError>> {
         let Visited { fit, information, .. } = &self.selection.visited[self.place];
@@ -251,14 +270,12 @@ impl Judgement<'_, '_> {
         let mut words: Vec<String> = self.small.iter().map(small).collect();
         words.extend(shapes.iter().map(|f| f.effect.about().sentence.to_owned()));
         words.extend(failed.iter().take(TESTS_IN_WORDS).map(|test| test.words.clone()));
-        let described =
-            |f: &Finding| describe::shape(f.effect, self.values_of(f.effect.about().id), &self.problem.sizes);
         Some(Remainder {
             words: words.join("; "),
             variable: abouts.clone().next().map_or("none", |about| about.variable).into(),
             equation: {
                 let small = self.small.iter().map(|f| f.effect.about().equation.to_owned());
-                small.chain(shapes.iter().map(described)).collect::<Vec<_>>().join("; ")
+                small.chain(shapes.iter().map(|f| self.formula(f))).collect::<Vec<_>>().join("; ")
             },
             parameters: abouts.flat_map(|about| self.own(fit, about.id)).collect(),
             share: 1.0 - self.grounds.share_of_names(),

@@ -2,10 +2,7 @@
 
 use super::answer::{Answer, EffectAnswer, HeldOutAnswer, Verdict};
 use crate::catalogue::find;
-use crate::catalogue::shapes::SHAPES;
-use crate::dataset::Amplitudes;
 use crate::estimate::{Estimate, digits};
-use crate::model::effect::Effect;
 use std::collections::BTreeMap;
 
 /// One to three sentences with numbers and units.
@@ -120,12 +117,6 @@ pub fn in_a_phrase(effect: &EffectAnswer) -> String {
     let Some(known) = find(&effect.id) else { return effect.equation.clone() };
     let parameters: Vec<String> = effect.parameters.iter().map(in_words).collect();
     format!("{} ({}: {})", known.about().sentence, effect.id, parameters.join(", "))
-}
-
-/// A term without a name, with its size.
-pub fn shape(effect: &dyn Effect, values: &[f64], sizes: &Amplitudes) -> String {
-    let known = SHAPES.iter().find(|shape| shape.about().id == effect.about().id);
-    known.map_or_else(String::new, |shape| shape.described(values, sizes))
 }
 
 /// "Mc = 0.113 N m (95 %: 0.107 to 0.119)".

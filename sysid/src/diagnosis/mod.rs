@@ -21,6 +21,7 @@ mod excitation;
 mod experiment;
 #[cfg(test)]
 mod fixture;
+mod formula;
 mod gust;
 mod judgement;
 pub mod levels;

@@ -21,7 +21,11 @@
 //! scale_u = 0.015
 //! duration_s = 98.4
 //! ```
+//!
+//! A vehicle has a model per axis: `[roll]`, `[pitch]` and `[yaw]` have the keys of `[plant]`, which is that of the axes without
+//! one; an effect with `axis = "roll"` is of that axis alone, an interval too by a key that begins with `roll.`.
 
+mod axes;
 mod effect;
 
 use std::collections::BTreeMap;
@@ -31,6 +35,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use crate::error::{Error, ErrorKind};
+pub use axes::to_toml;
 pub use effect::{EffectEntry, KnownEffect, SCALES};
 
 /// A model: the plant, the effects it has besides, and what is known of the parameters' uncertainty.
@@ -80,22 +85,31 @@ pub struct Interval {
     pub ci95: [f64; 2],
 }
 
+/// The axes that a model file may tell apart.
+pub const AXES: [&str; 3] = ["roll", "pitch", "yaw"];
+/// The axis that is meant where none is said.
+const USUAL: &str = "pitch";
+
 /// The file as it stands, with the place of everything that is checked.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Raw {
-    plant: Spanned<PlantSection>,
+    plant: Option<Spanned<PlantSection>>,
+    roll: Option<Spanned<PlantSection>>,
+    pitch: Option<Spanned<PlantSection>>,
+    yaw: Option<Spanned<PlantSection>>,
     #[serde(default)]
     effect: Vec<effect::Raw>,
     #[serde(default)]
     interval: BTreeMap<Spanned<String>, Spanned<Interval>>,
 }
 
-/// Reads a model file; `effects` is the catalogue against which ids and parameter names are checked.
+/// Reads the model of `axis`, one of [`AXES`], in a model file; without one what a model of one axis has, else pitch. `effects` is
+/// the catalogue against which ids and parameter names are checked.
 ///
 /// # Errors
 /// As [`parse`], and where the file cannot be read.
-pub fn read(path: &Path, effects: &[KnownEffect]) -> Result<ModelFile, Error> {
+pub fn read(path: &Path, axis: Option<&str>, effects: &[KnownEffect]) -> Result<ModelFile, Error> {
     let name = path.display().to_string();
     if path.is_dir() {
         return Err(Error::from_io(&name, &std::io::ErrorKind::IsADirectory.into()));
@@ -106,40 +120,72 @@ pub fn read(path: &Path, effects: &[KnownEffect]) -> Result<ModelFile, Error> {
         Error::new(ErrorKind::Format, found, "name a model file (TOML); recordings are given without --model")
             .in_file(name.as_str())
     })?;
-    parse(&name, text, effects)
+    parse(&name, text, axis, effects)
 }
 
 /// Reads the text of a model file; `name` stands for the file in messages.
 ///
 /// # Errors
 /// No TOML, an unknown key, effect or parameter, a value of the wrong type or outside its legal range, a mount with
-/// one or two of its three values. The error names the file and the line.
-pub fn parse(name: &str, text: &str, effects: &[KnownEffect]) -> Result<ModelFile, Error> {
+/// one or two of its three values, no plant of `axis`. The error names the file and the line.
+pub fn parse(
+    name: &str,
+    text: &str,
+    axis: Option<&str>,
+    effects: &[KnownEffect],
+) -> Result<ModelFile, Error> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    parse_unnamed(&Source { text }, effects).map_err(|error| error.in_file(name))
+    parse_unnamed(&Source { text }, axis, effects).map_err(|error| error.in_file(name))
 }
 
-fn parse_unnamed(source: &Source, table: &[KnownEffect]) -> Result<ModelFile, Error> {
+fn parse_unnamed(source: &Source, axis: Option<&str>, table: &[KnownEffect]) -> Result<ModelFile, Error> {
     let raw: Raw = toml::from_str(source.text).map_err(|error| source.syntax(&error))?;
-    check_plant(raw.plant.get_ref()).map_err(|error| {
-        let key = error.column.as_deref().unwrap_or_default();
-        let line = source.line_of_key(raw.plant.span().start, key);
-        error.at_line(line)
-    })?;
-    let effects = raw
-        .effect
-        .into_iter()
-        .map(|entry| effect::checked(source, entry, table))
-        .collect::<Result<Vec<_>, Error>>()?;
+    let plant = plant_of(source, axis, &raw)?;
+    let axis = axis.unwrap_or(USUAL);
+    let mut effects = Vec::new();
+    for entry in raw.effect {
+        let (of, entry) = effect::checked(source, entry, table)?;
+        if of.is_none_or(|of| of == axis) {
+            effects.push(entry);
+        }
+    }
     let mut intervals = BTreeMap::new();
     for (key, interval) in raw.interval {
         let line = source.line(interval.span().start);
+        let Some(own) = axes::key_of(key.get_ref(), axis) else { continue };
         let interval = interval.into_inner();
-        check_interval(key.get_ref(), interval, &effects)
+        check_interval(own, interval, &effects)
             .map_err(|error| error.at_line(line).in_column(key.get_ref().as_str()))?;
-        intervals.insert(key.into_inner(), interval);
+        intervals.insert(own.to_owned(), interval);
     }
-    Ok(ModelFile { plant: raw.plant.into_inner(), effects, intervals })
+    Ok(ModelFile { plant, effects, intervals })
+}
+
+/// The plant of `axis`, all of them checked.
+fn plant_of(source: &Source, axis: Option<&str>, raw: &Raw) -> Result<PlantSection, Error> {
+    let of_axes = AXES.into_iter().zip([&raw.roll, &raw.pitch, &raw.yaw]);
+    let all = || of_axes.clone().chain([("plant", &raw.plant)]).filter_map(|(n, p)| Some((n, p.as_ref()?)));
+    for (_, plant) in all() {
+        check_plant(plant.get_ref()).map_err(|error| {
+            let key = error.column.as_deref().unwrap_or_default();
+            let line = source.line_of_key(plant.span().start, key);
+            error.at_line(line)
+        })?;
+    }
+    let section = |name: &str| all().find(|(own, _)| *own == name).map(|(_, plant)| *plant.get_ref());
+    let found = match axis {
+        Some(axis) => section(axis).or_else(|| section("plant")),
+        None => section("plant").or_else(|| section(USUAL)),
+    };
+    found.ok_or_else(|| {
+        let names: Vec<String> = all().map(|(name, _)| format!("[{name}]")).collect();
+        let found = match names.is_empty() {
+            true => "no plant".to_owned(),
+            false => format!("no plant of {}, only {}", axis.unwrap_or(USUAL), names.join(", ")),
+        };
+        let help = "add a section [plant] with inertia_kg_m2 = NUMBER, or one for each axis";
+        Error::new(ErrorKind::Model, found, help)
+    })
 }
 
 /// The text, for the lines of messages.
@@ -173,7 +219,9 @@ impl Source<'_> {
             () if message.contains("invalid type") => {
                 "write a number, with a decimal point and without a unit"
             }
-            () => "correct the line: KEY = NUMBER, [plant], [[effect]] or [interval.KEY]",
+            () => {
+                "correct the line: KEY = NUMBER, [plant] or [roll], [pitch], [yaw], [[effect]] or [interval.KEY]"
+            }
         };
         let error_here = Error::new(ErrorKind::Model, message, advice);
         match error.span() {
@@ -313,25 +361,25 @@ mod tests {
         [interval.\"inflow_lag.g\"]\nci95 = [0, 1]\n";
 
     fn refused(text: &str) -> Error {
-        parse("m.toml", text, &table()).expect_err("this model must be refused")
+        parse("m.toml", text, None, &table()).expect_err("this model must be refused")
     }
 
     #[test]
     fn reads_every_part() {
-        let model = parse("m.toml", FULL, &table()).unwrap();
+        let model = parse("m.toml", FULL, None, &table()).unwrap();
         assert_eq!((model.plant.dm_dq, model.plant.dm_du), (Some(-0.27), Some(23.0)));
         assert_eq!(model.plant.mount_j, Some(5.0e-4));
         assert_eq!(model.effects[1].parameters["T_lambda"], 1.0);
         assert_eq!(model.intervals["G"].ci95, [0.3, 0.5]);
-        let least = parse("m.toml", "[plant]\ninertia_kg_m2 = 1.0", &table()).unwrap();
+        let least = parse("m.toml", "[plant]\ninertia_kg_m2 = 1.0", None, &table()).unwrap();
         assert_eq!((least.plant.delay_s, least.plant.mount_k), (None, None));
     }
 
     #[test]
     fn what_is_written_reads_back() {
-        let model = parse("m.toml", FULL, &table()).unwrap();
+        let model = parse("m.toml", FULL, None, &table()).unwrap();
         let text = model.to_toml().unwrap();
-        assert_eq!(parse("m.toml", &text, &table()).unwrap(), model, "{text}");
+        assert_eq!(parse("m.toml", &text, None, &table()).unwrap(), model, "{text}");
         let mut broken = model;
         broken.plant.dm_dq = Some(f64::NAN);
         assert!(broken.to_toml().is_err());

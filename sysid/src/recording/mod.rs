@@ -7,9 +7,11 @@
 //! What cannot be used is an [`Error`] with file, line, column and advice.
 
 mod assign;
+mod binary;
 mod checks;
 mod clock;
 mod columns;
+mod cut;
 mod expression;
 mod missing;
 mod options;
@@ -149,7 +151,7 @@ impl Note {
     }
 }
 
-/// Reads a recording from a file.
+/// Reads a recording from a file: CSV, a Parquet table, or the vectors of a MATLAB file (up to version 7).
 ///
 /// # Errors
 /// As [`parse`], and where the file cannot be read.
@@ -158,7 +160,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Error> {
     parse(&name, &bytes_of(path, &name)?, options)
 }
 
-/// The names of a CSV file's columns, in order.
+/// The names of a file's columns, in order.
 ///
 /// # Errors
 /// A file that cannot be read, or has no header line.
@@ -172,7 +174,8 @@ fn bytes_of(path: &Path, name: &str) -> Result<Vec<u8>, Error> {
     if path.is_dir() {
         return Err(Error::from_io(name, &std::io::ErrorKind::IsADirectory.into()));
     }
-    std::fs::read(path).map_err(|error| Error::from_io(name, &error))
+    let bytes = std::fs::read(path).map_err(|error| Error::from_io(name, &error))?;
+    binary::as_csv(bytes).map_err(|error| error.in_file(name))
 }
 
 /// Reads a recording from the bytes of a CSV file; `name` stands for the file in messages.

@@ -3,16 +3,19 @@
 use crate::error::{Error, ErrorKind};
 
 /// First bytes, what they mean, what to do.
-const SIGNATURES: [(&[u8], &str, &str); 12] = [
+const SIGNATURES: [(&[u8], &str, &str); 11] = [
     (b"ULog", "a PX4 flight log (ULog)", LOG_ADVICE),
     (b"H Product:Blackbox", "a Betaflight blackbox log", LOG_ADVICE),
     (&[0xA3, 0x95], "an ArduPilot flight log (DataFlash)", LOG_ADVICE),
     (b"PK\x03\x04", "a zip archive or a spreadsheet (xlsx, ods)", "save the sheet as CSV with commas"),
     (&[0xD0, 0xCF, 0x11, 0xE0], "an old spreadsheet (xls)", "save the sheet as CSV with commas"),
     (&[0x1F, 0x8B], "a gzip archive", "unpack it first"),
-    (b"PAR1", "a Parquet table", "write it as CSV"),
-    (b"MATLAB 5.0", "a MATLAB file", "write it as CSV, e.g. with writetable"),
-    (b"\x89HDF", "an HDF5 file (MATLAB 7.3 among others)", "write it as CSV, e.g. with writetable"),
+    (b"MATLAB 7.3", "an HDF5 file of MATLAB 7.3", "in MATLAB save(FILE, '-v7'), or writetable to CSV"),
+    (
+        b"\x89HDF",
+        "an HDF5 file (MATLAB 7.3 among others)",
+        "in MATLAB save(FILE, '-v7'), or writetable to CSV",
+    ),
     (b"SQLite format 3", "a database (ROS 2 bag among others)", "export the topics as CSV"),
     (&[0xFF, 0xFE], "UTF-16 text", "save it as UTF-8"),
     (&[0xFE, 0xFF], "UTF-16 text", "save it as UTF-8"),

@@ -16,7 +16,8 @@ impl Recording {
         self.write_rows(out).map_err(|error| Error::from_io(&self.name, &error))
     }
 
-    fn write_rows(&self, out: impl Write) -> std::io::Result<()> {
+    /// The columns that are there, with their names in the format.
+    pub(super) fn number_columns(&self) -> Vec<(&str, &[f64])> {
         let mut columns: Vec<(&str, &[f64])> = vec![("t_s", &self.t), (self.u_unit.column(), &self.u)];
         let optional = [
             ("q_rad_s", &self.q),
@@ -30,7 +31,12 @@ impl Recording {
             ("thrust_norm", &self.thrust),
             ("battery_v", &self.battery),
         ];
-        columns.extend(optional.iter().filter_map(|(name, values)| Some((*name, values.as_deref()?))));
+        columns.extend(optional.into_iter().filter_map(|(name, values)| Some((name, values.as_deref()?))));
+        columns
+    }
+
+    fn write_rows(&self, out: impl Write) -> std::io::Result<()> {
+        let columns = self.number_columns();
         let labels = self.row_labels();
         let supervised = self.supervised.contains(&true);
 
@@ -63,7 +69,7 @@ impl Recording {
     }
 
     /// The file's label of each row; `None` where one section called `all` is everything.
-    fn row_labels(&self) -> Option<Vec<&str>> {
+    pub(super) fn row_labels(&self) -> Option<Vec<&str>> {
         let mut labels = vec!["-"; self.t.len()];
         for section in &self.sections {
             labels[section.rows.clone()].fill(&section.file_label);

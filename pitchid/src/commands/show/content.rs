@@ -2,6 +2,7 @@
 
 use crate::logs::excitation::{Span, spans};
 use crate::logs::{Flight, format_name};
+use crate::report::decimate::min_max_rows;
 use flight_logs::axes::{Axis, Channel, Series, propose};
 use flight_logs::{Log, Topic};
 use serde::Serialize;
@@ -9,6 +10,8 @@ use sysid::recording::Recording;
 
 /// A step beyond this many of the usual ones is a gap.
 const GAP: f64 = 3.5;
+/// Points of each curve.
+const POINTS: usize = 2400;
 
 /// One flight of a log, or one recording.
 #[derive(Serialize)]
@@ -50,6 +53,17 @@ pub struct ShownAxis {
     pub cautions: Vec<String>,
     /// What to set before the next flight.
     pub settings: Vec<ShownSetting>,
+    /// What a report draws.
+    #[serde(skip)]
+    pub curves: Vec<Curve>,
+}
+
+/// A channel over time, in as many points as a picture shows.
+pub struct Curve {
+    /// input, rate, angle, set-point.
+    pub role: &'static str,
+    pub unit: &'static str,
+    pub series: Series,
 }
 
 /// One channel of an axis.
@@ -97,6 +111,9 @@ pub struct ShownRecording {
     pub gaps: usize,
     pub excitation: Vec<Span>,
     pub notes: Vec<String>,
+    /// What a report draws.
+    #[serde(skip)]
+    pub curves: Vec<Curve>,
 }
 
 /// A section of a recording.
@@ -144,6 +161,9 @@ fn of_axis(log: &Log, axis: Axis) -> ShownAxis {
     };
     let series = |channel: &Option<Channel>| channel.as_ref().map(|channel| channel.series(log));
     let excitation = series(&channels.input).map(|input| spans(&input, series(&channels.rate).as_ref()));
+    let curve = |(role, channel): (&'static str, &Option<Channel>)| {
+        channel.as_ref().map(|channel| Curve::new(role, channel.unit, &channel.series(log)))
+    };
     let setting = |setting: &flight_logs::axes::Setting| ShownSetting {
         parameter: setting.parameter,
         value: setting.value.clone(),
@@ -158,6 +178,15 @@ fn of_axis(log: &Log, axis: Axis) -> ShownAxis {
         hindrances: proposal.hindrances.clone(),
         cautions: proposal.cautions.clone(),
         settings: proposal.settings.iter().map(setting).collect(),
+        curves: roles.into_iter().filter_map(curve).collect(),
+    }
+}
+
+impl Curve {
+    fn new(role: &'static str, unit: &'static str, all: &Series) -> Self {
+        let rows = min_max_rows(&all.values, POINTS);
+        let of = |values: &[f64]| rows.iter().map(|&k| values[k]).collect();
+        Self { role, unit, series: Series { time_s: of(&all.time_s), values: of(&all.values) } }
     }
 }
 
@@ -179,6 +208,11 @@ fn of_topic(topic: &Topic) -> ShownTopic {
 pub fn of_recording(recording: &Recording) -> ShownRecording {
     let series = |values: &[f64]| Series { time_s: recording.t.clone(), values: values.to_vec() };
     let rate = recording.q.as_deref().map(series);
+    let curves = [
+        ("input", recording.u_unit.symbol(), Some(recording.u.as_slice())),
+        ("rate", "rad/s", recording.q.as_deref()),
+        ("angle", "rad", recording.theta.as_deref()),
+    ];
     let span = |rows: &std::ops::Range<usize>| [recording.t[rows.start], recording.t[rows.end - 1]];
     let section = |section: &sysid::recording::Section| ShownSection {
         label: section.label.clone(),
@@ -196,5 +230,9 @@ pub fn of_recording(recording: &Recording) -> ShownRecording {
         gaps: recording.segments.len().saturating_sub(1),
         excitation: spans(&series(&recording.u), rate.as_ref()),
         notes: recording.notes.iter().map(|note| note.text.clone()).collect(),
+        curves: curves
+            .into_iter()
+            .filter_map(|(role, unit, values)| Some(Curve::new(role, unit, &series(values?))))
+            .collect(),
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use toml::{Spanned, Value};
 
-use super::{Source, positive};
+use super::{AXES, Source, positive};
 use crate::error::{Error, ErrorKind, quote};
 
 /// One effect with its parameters, in the units of the catalogue.
@@ -47,14 +47,19 @@ type Placed<T> = (T, usize);
 
 /// An entry whose values are numbers.
 struct Parsed {
+    axis: Option<String>,
     id: Placed<String>,
     shape: Option<Placed<String>>,
     parameters: BTreeMap<String, Placed<f64>>,
 }
 
-/// The entry, if it is one of `table` with all its parameters.
-pub(super) fn checked(source: &Source, entry: Raw, table: &[KnownEffect]) -> Result<EffectEntry, Error> {
-    let Parsed { id: (id, id_line), shape, parameters } = parsed(source, entry)?;
+/// The entry, if it is one of `table` with all its parameters, and the axis that it is of; without one it is of all.
+pub(super) fn checked(
+    source: &Source,
+    entry: Raw,
+    table: &[KnownEffect],
+) -> Result<(Option<String>, EffectEntry), Error> {
+    let Parsed { axis, id: (id, id_line), shape, parameters } = parsed(source, entry)?;
     let known = find(table, (&id, id_line), shape.as_ref())?;
     let expected = format!("{id} with {}", known.parameters.join(", "));
     let unknown = parameters.iter().find(|(key, _)| !known.parameters.contains(&key.as_str()));
@@ -74,12 +79,8 @@ pub(super) fn checked(source: &Source, entry: Raw, table: &[KnownEffect]) -> Res
             wrong(format!("found {value}"), "correct the value", *line, key).expecting("a number above 0")
         );
     }
-    Ok(EffectEntry {
-        id,
-        shape: shape.map(|(shape, _)| shape),
-        parameters: parameters.into_iter().map(|(key, (value, _))| (key, value)).collect(),
-        remark: None,
-    })
+    let parameters = parameters.into_iter().map(|(key, (value, _))| (key, value)).collect();
+    Ok((axis, EffectEntry { id, shape: shape.map(|(shape, _)| shape), parameters, remark: None }))
 }
 
 fn wrong(found: impl Into<Box<str>>, advice: &str, line: usize, key: &str) -> Error {
@@ -88,7 +89,7 @@ fn wrong(found: impl Into<Box<str>>, advice: &str, line: usize, key: &str) -> Er
 
 fn parsed(source: &Source, entry: Raw) -> Result<Parsed, Error> {
     let line = source.line(entry.span().start);
-    let (mut id, mut shape) = (None, None);
+    let (mut axis, mut id, mut shape) = (None, None, None);
     let mut parameters = BTreeMap::new();
     for (key, value) in entry.into_inner() {
         let (line, key) = (source.line(key.span().start), key.into_inner());
@@ -97,6 +98,10 @@ fn parsed(source: &Source, entry: Raw) -> Result<Parsed, Error> {
             wrong(found, "correct the value", line, &key).expecting(expected)
         };
         match value.get_ref() {
+            Value::String(text) if key == "axis" && AXES.contains(&text.as_str()) => {
+                axis = Some(text.clone());
+            }
+            _ if key == "axis" => return Err(refuse(&format!("one of {}, in quotes", AXES.join(", ")))),
             Value::String(text) if key == "id" => id = Some((text.clone(), line)),
             _ if key == "id" => return Err(refuse("the id of an effect, in quotes")),
             Value::String(text) if key == "shape" => shape = Some((text.clone(), line)),
@@ -108,7 +113,7 @@ fn parsed(source: &Source, entry: Raw) -> Result<Parsed, Error> {
     }
     let advice = "add a line id = \"...\"";
     let id = id.ok_or_else(|| Error::new(ErrorKind::Model, "an effect without id", advice).at_line(line))?;
-    Ok(Parsed { id, shape, parameters })
+    Ok(Parsed { axis, id, shape, parameters })
 }
 
 /// The effect of `table` with this id and shape.
@@ -164,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_term_without_a_name_reads_back_and_its_remark_is_a_comment() {
-        let mut model = parse("m.toml", TERM, &table()).unwrap();
+        let mut model = parse("m.toml", TERM, None, &table()).unwrap();
         assert_eq!(model.effects[0].shape.as_deref(), Some("of_q"));
         assert_eq!(model.effects[0].parameters["duration_s"], 100.0);
         let parameters = [("G".to_owned(), 0.4)].into();
@@ -174,7 +179,7 @@ mod tests {
         let text = model.to_toml().unwrap();
         assert!(text.contains("\n# a moment of the rate\n[[effect]]\nid = \"unlisted\"\n"), "{text}");
         model.effects[1].remark = None;
-        assert_eq!(parse("m.toml", &text, &table()).unwrap(), model, "{text}");
+        assert_eq!(parse("m.toml", &text, None, &table()).unwrap(), model, "{text}");
     }
 
     #[test]
@@ -191,7 +196,7 @@ mod tests {
         ];
         for ((from, to), line, part) in cases {
             let text = TERM.replacen(from, to, 1);
-            let error = parse("m.toml", &text, &table()).expect_err(&text);
+            let error = parse("m.toml", &text, None, &table()).expect_err(&text);
             let message = error.to_string();
             assert_eq!(error.line, Some(line), "{message}");
             assert!(message.contains(part) && message.contains("advice: "), "{part} is not in\n{message}");

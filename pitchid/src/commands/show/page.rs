@@ -1,0 +1,133 @@
+//! What is shown of a log, as one HTML file that needs nothing else.
+
+use super::content::{Curve, Shown};
+use crate::failure::Failure;
+use crate::logs::excitation::Span;
+use benchmark::Error;
+use benchmark::canvas::{
+    self, Axes, BASELINE, EXTENDED, MEASURED, legend, mesh, padded, px, shade, svg, tick,
+};
+use minijinja::value::Serde;
+use minijinja::{AutoEscape, Environment};
+use plotters::prelude::*;
+use serde::Serialize;
+use std::ops::Range;
+
+/// What the template is given.
+#[derive(Serialize)]
+struct Page<'a> {
+    parts: Vec<Part<'a>>,
+    style: &'static str,
+    dark_style: &'static str,
+    version: &'static str,
+}
+
+/// A flight or a recording with its pictures, axis by axis.
+#[derive(Serialize)]
+struct Part<'a> {
+    is_flight: bool,
+    shown: &'a Shown,
+    pictures: Vec<Vec<String>>,
+}
+
+/// The page.
+///
+/// # Errors
+/// A picture or the page that could not be drawn.
+pub fn html(shown: &[Shown]) -> Result<String, Failure> {
+    let failed = |error: minijinja::Error| {
+        Failure::new(format!("the report could not be made: {error}"), "leave out --report")
+    };
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.add_template("show", include_str!("page.html")).map_err(failed)?;
+    let page = Page {
+        parts: shown.iter().map(part).collect::<Result<_, Error>>()?,
+        style: canvas::STYLE,
+        dark_style: canvas::DARK_STYLE,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    environment.get_template("show").and_then(|t| t.render(Serde(page))).map_err(failed)
+}
+
+fn part(shown: &Shown) -> Result<Part<'_>, Error> {
+    let pictures = match shown {
+        Shown::Flight(flight) => flight
+            .axes
+            .iter()
+            .map(|axis| pictures(&axis.curves, &axis.excitation))
+            .collect::<Result<_, _>>()?,
+        Shown::Recording(recording) => vec![pictures(&recording.curves, &recording.excitation)?],
+    };
+    Ok(Part { is_flight: matches!(shown, Shown::Flight(_)), shown, pictures })
+}
+
+/// Input, rate with its set-point, angle; shaded where input and rate move.
+fn pictures(curves: &[Curve], excitation: &[Span]) -> Result<Vec<String>, Error> {
+    let times = || curves.iter().filter_map(|c| Some([*c.series.time_s.first()?, *c.series.time_s.last()?]));
+    let from = times().map(|[from, _]| from).fold(f64::INFINITY, f64::min);
+    let to = times().map(|[_, to]| to).fold(f64::NEG_INFINITY, f64::max);
+    if from >= to || !(to - from).is_finite() {
+        return Ok(Vec::new());
+    }
+    let windows: Vec<[f64; 2]> = excitation.iter().map(|span| span.time_s).collect();
+    let panels: [&[(&str, RGBColor)]; 3] =
+        [&[("input", EXTENDED)], &[("rate", MEASURED), ("set-point", BASELINE)], &[("angle", MEASURED)]];
+    let drawn = panels.iter().filter_map(|panel| {
+        let own: Vec<(&Curve, RGBColor)> = panel
+            .iter()
+            .filter_map(|(role, color)| Some((curves.iter().find(|curve| curve.role == *role)?, *color)))
+            .collect();
+        (!own.is_empty()).then(|| picture(&own, from..to, &windows))
+    });
+    drawn.collect()
+}
+
+fn picture(curves: &[(&Curve, RGBColor)], span: Range<f64>, windows: &[[f64; 2]]) -> Result<String, Error> {
+    let finite =
+        |curve: &&Curve| curve.series.values.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>();
+    let range = padded(curves.iter().flat_map(|(curve, _)| finite(curve)));
+    let (first, _) = curves[0];
+    let unit = if first.unit.is_empty() { "1" } else { first.unit };
+    svg([900, 170], &format!("{} over time", first.role), |area| {
+        let (head, body) = area.split_vertically(px(26));
+        legend(&head, curves.iter().map(|(curve, color)| (curve.role, *color)))?;
+        let mut chart = ChartBuilder::on(&body)
+            .margin_top(px(4))
+            .margin_right(px(12))
+            .x_label_area_size(px(32))
+            .y_label_area_size(px(56))
+            .build_cartesian_2d(span.clone(), range.clone())
+            .map_err(|e| e.to_string())?;
+        let y = format!("{}, {unit}", first.role);
+        mesh(&mut chart, &Axes { labels: [9, 4], x: "time, s", y: &y }, &tick)?;
+        shade(&mut chart, windows, &span, &range)?;
+        for (Curve { series, .. }, color) in curves {
+            let line = series.time_s.iter().copied().zip(series.values.iter().copied());
+            chart.draw_series(LineSeries::new(line, color.stroke_width(px(1)))).map_err(|e| e.to_string())?;
+        }
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::commands::show::content::of_recording;
+    use sysid::recording::{ReadOptions, parse};
+
+    #[test]
+    fn a_recording_is_drawn_with_the_spans_that_move() {
+        let mut text = "t_s,u_rad,q_rad_s\n".to_owned();
+        for k in 0..3000 {
+            let t = 0.02 * f64::from(k);
+            let moves = if (20.0..40.0).contains(&t) { 1.0 } else { 0.0 };
+            text += &format!("{t:.2},{:.5},{:.5}\n", moves * (5.0 * t).sin(), moves * (5.0 * t).cos());
+        }
+        let recording = parse("a & b.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
+        let page = html(&[Shown::Recording(of_recording(&recording))]).unwrap();
+        assert_eq!(page.matches("<svg").count(), 2, "input and rate");
+        assert_eq!(page.matches("opacity=\"0.08\"").count(), 2, "one span in each");
+        assert!(page.contains("a &amp; b.csv") && !page.contains("http:"), "nothing is fetched");
+    }
+}
