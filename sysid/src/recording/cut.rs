@@ -21,12 +21,10 @@ impl Recording {
         };
         let segments: Vec<Range<usize>> = self.segments.iter().filter_map(within).collect();
         if !segments.iter().any(|segment| segment.len() >= LEAST_ROWS) {
+            let [first, last] = [self.t.first(), self.t.last()].map(|t| t.copied().unwrap_or_default());
             let found = format!("nothing is recorded in --time {from}..{to}");
-            let advice = "name a part that its clock has";
-            let ends = [self.t.first(), self.t.last()].map(|t| t.copied().unwrap_or_default());
-            return Err(Error::new(ErrorKind::Section, found, advice)
-                .expecting(format!("a part of {:.3}..{:.3} s", ends[0], ends[1]))
-                .in_file(self.name.as_str()));
+            let advice = format!("its clock runs from {first:.3} to {last:.3} s");
+            return Err(Error::new(ErrorKind::Section, found, advice).in_file(self.name.as_str()));
         }
         let section = |section: &Section| Some(Section { rows: within(&section.rows)?, ..section.clone() });
         self.sections = self.sections.iter().filter_map(section).collect();
@@ -72,6 +70,6 @@ mod tests {
         assert_eq!((rows("I").unwrap(), rows("II").unwrap()), (0..50, 50..100));
         assert!(rows("IV").is_err() && part.segments.first() == Some(&(0..100)));
         let refused = part.cut(7.0, 9.0).unwrap_err().to_string();
-        assert!(refused.contains("--time 7..9") && refused.contains("1.000..2.980"), "{refused}");
+        assert!(refused.contains("--time 7..9") && refused.contains("from 1.000 to 2.980 s"), "{refused}");
     }
 }
