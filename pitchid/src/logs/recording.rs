@@ -121,37 +121,22 @@ struct Beside {
     slow: bool,
 }
 
-/// The other axes' commands and rates, in the places that a recording has for those of roll and yaw beside pitch; thrust and
-/// supply.
+/// The other axes' rates, in the places that a recording has for those of roll and yaw beside pitch; thrust and supply. Not their
+/// commands: a controller makes them of the same gusts that move this axis, and they would be taken for a cause.
 fn others(log: &Log, axis: Axis) -> Vec<Beside> {
     let of = |axis| channels(log, axis);
-    let (thrust, battery) = {
-        let own = of(axis);
-        (own.thrust, own.battery)
-    };
+    let own = of(axis);
     let motion = match axis {
         Axis::Pitch => {
-            let (roll, yaw) = (of(Axis::Roll), of(Axis::Yaw));
-            [
-                ("u_roll_norm", roll.input),
-                ("p_rad_s", roll.rate),
-                ("r_rad_s", yaw.rate),
-                ("phi_rad", roll.angle),
-            ]
+            let roll = of(Axis::Roll);
+            [("p_rad_s", roll.rate), ("r_rad_s", of(Axis::Yaw).rate), ("phi_rad", roll.angle)]
         }
-        Axis::Roll => {
-            let (pitch, yaw) = (of(Axis::Pitch), of(Axis::Yaw));
-            [("u_roll_norm", pitch.input), ("p_rad_s", pitch.rate), ("r_rad_s", yaw.rate), ("phi_rad", None)]
-        }
-        Axis::Yaw => {
-            let (roll, pitch) = (of(Axis::Roll), of(Axis::Pitch));
-            [("u_roll_norm", None), ("p_rad_s", roll.rate), ("r_rad_s", pitch.rate), ("phi_rad", None)]
-        }
+        Axis::Roll => [("p_rad_s", of(Axis::Pitch).rate), ("r_rad_s", of(Axis::Yaw).rate), ("phi_rad", None)],
+        Axis::Yaw => [("p_rad_s", of(Axis::Roll).rate), ("r_rad_s", of(Axis::Pitch).rate), ("phi_rad", None)],
     };
-    let all = motion.into_iter().chain([("thrust_norm", thrust), ("battery_v", battery)]);
+    let all = motion.into_iter().chain([("thrust_norm", own.thrust), ("battery_v", own.battery)]);
     all.filter_map(|(column, channel)| {
-        let held = matches!(column, "u_roll_norm" | "thrust_norm");
-        let slow = matches!(column, "thrust_norm" | "battery_v");
+        let (held, slow) = (column == "thrust_norm", matches!(column, "thrust_norm" | "battery_v"));
         Some(Beside { column, channel: channel?, held, slow })
     })
     .collect()
@@ -184,11 +169,7 @@ pub fn recording(flight: &Flight, axis: Axis, options: &ReadOptions) -> Result<R
         told += &format!(", angle {angle}");
         signals.push((theta.map.clone(), values));
     }
-    let has_roll_unit = u.map.target == "u_norm";
     for Beside { column, channel, held, slow } in others(log, axis) {
-        if column.starts_with("u_") && !has_roll_unit {
-            continue;
-        }
         let Some(values) = beside(&aligned.t, &channel.series(log), held, slow) else { continue };
         told += &format!(", {column} {channel}");
         signals.push((

@@ -13,6 +13,11 @@ use plotters::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
 
+/// Share of the points of a curve at either end of its range that may lie outside the picture, beyond so many times the range of
+/// the others.
+const SPARED: f64 = 0.03;
+const ROOM: f64 = 1.0;
+
 /// What the template is given.
 #[derive(Serialize)]
 struct Page<'a> {
@@ -84,9 +89,7 @@ fn pictures(curves: &[Curve], excitation: &[Span]) -> Result<Vec<String>, Error>
 }
 
 fn picture(curves: &[(&Curve, RGBColor)], span: Range<f64>, windows: &[[f64; 2]]) -> Result<String, Error> {
-    let finite =
-        |curve: &&Curve| curve.series.values.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>();
-    let range = padded(curves.iter().flat_map(|(curve, _)| finite(curve)));
+    let range = usual(curves.iter().flat_map(|(curve, _)| curve.series.values.iter().copied()).collect());
     let (first, _) = curves[0];
     let unit = if first.unit.is_empty() { "1" } else { first.unit };
     svg([900, 170], &format!("{} over time", first.role), |area| {
@@ -103,11 +106,22 @@ fn picture(curves: &[(&Curve, RGBColor)], span: Range<f64>, windows: &[[f64; 2]]
         mesh(&mut chart, &Axes { labels: [9, 4], x: "time, s", y: &y }, &tick)?;
         shade(&mut chart, windows, &span, &range)?;
         for (Curve { series, .. }, color) in curves {
-            let line = series.time_s.iter().copied().zip(series.values.iter().copied());
+            let values = series.values.iter().map(|value| value.clamp(range.start, range.end));
+            let line = series.time_s.iter().copied().zip(values);
             chart.draw_series(LineSeries::new(line, color.stroke_width(px(1)))).map_err(|e| e.to_string())?;
         }
         Ok(())
     })
+}
+
+/// Where nearly all values lie, with room beside: a crash at the end of a flight must not hide the flight.
+fn usual(mut values: Vec<f64>) -> Range<f64> {
+    values.retain(|value| value.is_finite());
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values.get((share * values.len() as f64) as usize).copied().unwrap_or_default();
+    let [low, high] = [at(SPARED), at(1.0 - SPARED)];
+    let room = ROOM * (high - low);
+    padded(values.iter().map(|value| value.clamp(low - room, high + room)))
 }
 
 #[cfg(test)]
@@ -115,6 +129,14 @@ mod tests {
     use super::*;
     use crate::commands::show::content::of_recording;
     use sysid::recording::{ReadOptions, parse};
+
+    #[test]
+    fn a_spike_does_not_hide_what_was_before() {
+        let flight = (0..1000).map(|k| if k > 990 { 500.0 } else { f64::from(k).sin() });
+        let range = usual(flight.collect());
+        assert!(range.end < 6.0 && range.start < -0.9, "{range:?}");
+        assert!(usual(Vec::new()).end > usual(Vec::new()).start);
+    }
 
     #[test]
     fn a_recording_is_drawn_with_the_spans_that_move() {
