@@ -17,8 +17,8 @@ pub struct Reading {
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
 
-    /// The simulation in use today: plant and effects, [roll], [pitch], [yaw] where axes differ. Without it, the grey-box pitch
-    /// model with Iyy known
+    /// The simulation in use today: plant and effects, with sections roll, pitch, yaw where axes differ. Without it, the grey-box
+    /// pitch model with Iyy known
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
 
