@@ -35,6 +35,12 @@ impl AxisChoice {
         }
     }
 
+    /// The one axis that is meant, where only one may be.
+    pub fn single(self) -> Result<Axis, Failure> {
+        let help = "choose --axis roll, pitch or yaw";
+        self.one().ok_or_else(|| Failure::new("--axis all: one axis at a time here", help))
+    }
+
     /// Whether no axis was chosen.
     pub fn is_all(self) -> bool {
         self == Self::All
@@ -71,15 +77,23 @@ fn input(names: &[String], axis: Axis) -> Option<(String, String)> {
 
 /// What stands beside an axis as roll and yaw stand beside pitch: the name there, and the file's.
 fn beside(names: &[String], axis: Axis) -> Vec<(String, String)> {
-    let all = match axis {
-        Axis::Pitch => Vec::new(),
-        Axis::Roll => {
-            let inputs = UNITS.iter().map(|unit| (format!("u_roll_{unit}"), format!("u_pitch_{unit}")));
-            inputs.chain([("p_rad_s".into(), "q_rad_s".into())]).collect()
-        }
-        Axis::Yaw => vec![("r_rad_s".into(), "q_rad_s".into())],
-    };
-    all.into_iter().filter(|(_, column)| names.contains(column)).collect()
+    let rates = ["p_rad_s", "r_rad_s"].into_iter().zip(neighbours(axis).map(|other| columns(other)[1]));
+    let mut all: Vec<(String, String)> =
+        rates.map(|(place, column)| (place.to_owned(), column.to_owned())).collect();
+    if axis == Axis::Roll {
+        all.extend(UNITS.iter().map(|unit| (format!("u_roll_{unit}"), format!("u_pitch_{unit}"))));
+    }
+    all.retain(|(place, column)| place != column && names.contains(column));
+    all
+}
+
+/// The axes that stand beside one in the places of roll and yaw beside pitch.
+pub fn neighbours(axis: Axis) -> [Axis; 2] {
+    match axis {
+        Axis::Pitch => [Axis::Roll, Axis::Yaw],
+        Axis::Roll => [Axis::Pitch, Axis::Yaw],
+        Axis::Yaw => [Axis::Roll, Axis::Pitch],
+    }
 }
 
 /// What axes are read of.

@@ -16,7 +16,7 @@ pub struct Estimate {
 }
 
 /// Quantile of the normal distribution for a two-sided 95 % interval.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
+pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 impl Estimate {
     /// The estimate with a normal interval of ±1.96 `deviation`, cut off at `bounds`.

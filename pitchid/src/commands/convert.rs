@@ -58,14 +58,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     output::check(Some(table.as_path()), &[recording.as_path()])?;
-    if axis.is_some_and(AxisChoice::is_all) {
-        return Err(Failure::new("--axis all: one axis at a time here", "choose --axis roll, pitch or yaw"));
-    }
+    let axis = axis.map(AxisChoice::single).transpose()?;
     let options = options_with(InputHold::default(), columns);
     let mut bytes = Vec::new();
     for source in open(std::slice::from_ref(recording), columns)? {
         let readable = Readable::new(source, *flight, time.as_ref())?;
-        let found = readable.recording(axis.and_then(AxisChoice::one), &options)?;
+        let found = readable.recording(axis, &options)?;
         if as_parquet { found.write_parquet(&mut bytes)? } else { found.write_csv(&mut bytes)? }
     }
     output::write_bytes(table, &bytes)?;

@@ -71,11 +71,7 @@ pub struct ByAxis {
 impl Reading {
     /// Reads all recordings, and makes recordings of flight logs, of one axis.
     pub fn recordings(&self) -> Result<Vec<Recording>, Failure> {
-        if self.all_axes() {
-            let found = "--axis all: one axis at a time here";
-            return Err(Failure::new(found, "choose --axis roll, pitch or yaw"));
-        }
-        let axis = self.axis.and_then(AxisChoice::one);
+        let axis = self.axis.map(AxisChoice::single).transpose()?;
         let options = self.options();
         self.sources()?.iter().map(|source| source.recording(axis, &options)).collect()
     }
@@ -122,8 +118,8 @@ impl Reading {
     /// Reads the user's model of the axis that is meant, with its name.
     pub fn model(&self) -> Result<Option<(String, ModelFile)>, Failure> {
         let axis = self.axis.and_then(AxisChoice::one);
-        let named = |path: &PathBuf, model| (path.display().to_string(), model);
-        Ok(self.model_of(axis)?.and_then(|model| Some(named(self.model.as_ref()?, model))))
+        let named = |path: &PathBuf| Ok((path.display().to_string(), model_at(path, axis)?));
+        self.model.as_ref().map(named).transpose()
     }
 
     /// Reads the user's model of an axis.

@@ -2,9 +2,10 @@
 
 use super::Flight;
 use super::align::{align, beside, between, last_before};
+use crate::axes::neighbours;
 use crate::failure::Failure;
 use flight_logs::Log;
-use flight_logs::axes::{Axis, Channel, Proposal, Series, Setting, assess, channels};
+use flight_logs::axes::{Axis, Channel, Channels, Proposal, Series, Setting, assess, channels};
 use sysid::error::nearest;
 use sysid::recording::{ColumnMap, Expression, Note, NoteKind, ReadOptions, Recording, from_signals};
 
@@ -123,18 +124,12 @@ struct Beside {
 
 /// The other axes' rates, in the places that a recording has for those of roll and yaw beside pitch; thrust and supply. Not their
 /// commands: a controller makes them of the same gusts that move this axis, and they would be taken for a cause.
-fn others(log: &Log, axis: Axis) -> Vec<Beside> {
-    let of = |axis| channels(log, axis);
-    let own = of(axis);
-    let motion = match axis {
-        Axis::Pitch => {
-            let roll = of(Axis::Roll);
-            [("p_rad_s", roll.rate), ("r_rad_s", of(Axis::Yaw).rate), ("phi_rad", roll.angle)]
-        }
-        Axis::Roll => [("p_rad_s", of(Axis::Pitch).rate), ("r_rad_s", of(Axis::Yaw).rate), ("phi_rad", None)],
-        Axis::Yaw => [("p_rad_s", of(Axis::Roll).rate), ("r_rad_s", of(Axis::Pitch).rate), ("phi_rad", None)],
-    };
-    let all = motion.into_iter().chain([("thrust_norm", own.thrust), ("battery_v", own.battery)]);
+fn others(log: &Log, axis: Axis, own: &Channels) -> Vec<Beside> {
+    let [roll, yaw] = neighbours(axis).map(|other| channels(log, other));
+    let phi = roll.angle.filter(|_| axis == Axis::Pitch);
+    let measured = [("p_rad_s", roll.rate), ("r_rad_s", yaw.rate), ("phi_rad", phi)];
+    let all =
+        measured.into_iter().chain([("thrust_norm", own.thrust.clone()), ("battery_v", own.battery.clone())]);
     all.filter_map(|(column, channel)| {
         let (held, slow) = (column == "thrust_norm", matches!(column, "thrust_norm" | "battery_v"));
         Some(Beside { column, channel: channel?, held, slow })
@@ -169,7 +164,7 @@ pub fn recording(flight: &Flight, axis: Axis, options: &ReadOptions) -> Result<R
         told += &format!(", angle {angle}");
         signals.push((theta.map.clone(), values));
     }
-    for Beside { column, channel, held, slow } in others(log, axis) {
+    for Beside { column, channel, held, slow } in others(log, axis, &proposal.channels) {
         let Some(values) = beside(&aligned.t, &channel.series(log), held, slow) else { continue };
         told += &format!(", {column} {channel}");
         signals.push((

@@ -57,16 +57,10 @@ pub fn html(
     over_time: &OverTime,
     components: &[Component],
 ) -> Result<String, Failure> {
-    let failed = |error: minijinja::Error| {
-        Failure::new(format!("the report could not be made: {error}"), "leave out --report")
-    };
     let answer = &content.answer;
     let (first, others) = figures(content, traces)?;
     let dependence = answer.location.as_ref().and_then(|l| l.dependence.first());
     let dependence = dependence.map(drawn).transpose()?;
-    let mut environment = Environment::new();
-    environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    environment.add_template("report", include_str!("report.html")).map_err(failed)?;
     let page = Page {
         content,
         first,
@@ -79,7 +73,19 @@ pub fn html(
         dark_style: canvas::DARK_STYLE,
         json: embedded_json(content)?,
     };
-    environment.get_template("report").and_then(|t| t.render(Serde(page))).map_err(failed)
+    rendered(include_str!("report.html"), page)
+}
+
+/// A template filled with `page`.
+///
+/// # Errors
+/// A page that does not fit the template.
+pub fn rendered(template: &str, page: impl Serialize) -> Result<String, Failure> {
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment
+        .render_str(template, Serde(page))
+        .map_err(|error| Failure::new(format!("the report could not be made: {error}"), "leave out --report"))
 }
 
 /// What the data say of a term.

@@ -14,6 +14,11 @@ const NAMES: [&str; MOST] = ["c1", "c2", "c3", "c4", "c5", "c6", "c7", "c8"];
 /// A sign change is smoothed over this share of a standard deviation.
 const SHARP: f64 = 0.05;
 
+/// Times of the lags of `memory_of_u`, s.
+pub(crate) const LAGS_S: [f64; 3] = [0.06, 0.2, 0.6];
+/// Deflections at which the springs of `slipping_springs` slip, in standard deviations of the angle.
+pub(crate) const SLIPS: [f64; 2] = [0.2, 0.7];
+
 /// The signals that shapes are made of, scaled by their sizes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Signals {
@@ -211,8 +216,9 @@ pub const SHAPES: &[&Shape] = &[
         // Stop operators (Prandtl, 1928): elastic up to a deflection, then sliding; the last entry is the angle before.
         memory: Some(|memory, s, _| {
             let moved = s.y - memory[2];
-            memory[0] = (memory[0] + moved).clamp(-0.2, 0.2);
-            memory[1] = (memory[1] + moved).clamp(-0.7, 0.7);
+            for (stretched, slips) in memory.iter_mut().zip(SLIPS) {
+                *stretched = (*stretched + moved).clamp(-slips, slips);
+            }
             memory[2] = s.y;
         }),
         ..PLAIN
@@ -264,7 +270,7 @@ pub const SHAPES: &[&Shape] = &[
         count: 3,
         shapes: |s| shapes(s.memory),
         memory: Some(|memory, s, dt| {
-            for (state, time) in memory.iter_mut().zip([0.06, 0.2, 0.6]) {
+            for (state, time) in memory.iter_mut().zip(LAGS_S) {
                 lag(state, s.v, time, dt);
             }
         }),
@@ -310,26 +316,6 @@ impl Shape {
 
     fn sum(&self, p: &[f64], signals: &Signals) -> f64 {
         (self.shapes)(signals).iter().zip(p).map(|(shape, c)| shape * c).sum()
-    }
-
-    /// Its id.
-    pub fn id(&self) -> &'static str {
-        self.id
-    }
-
-    /// What it is, as the end of "what is missing is ...".
-    pub fn words(&self) -> &'static str {
-        self.words
-    }
-
-    /// Whether it adds to the measured rate instead of the moment.
-    pub fn is_measured(&self) -> bool {
-        self.measured
-    }
-
-    /// Whether its variable has the signal `name` (`q`, `theta`, `u`).
-    pub fn depends_on(&self, name: &str) -> bool {
-        self.variable.split([' ', '|']).any(|signal| signal == name)
     }
 
     /// Its curves φ_i at `signals`.

@@ -229,7 +229,7 @@ impl Judgement<'_, '_> {
     fn formula(&self, finding: &Finding) -> String {
         let Visited { fit, information, .. } = &self.selection.visited[self.place];
         let id = finding.effect.about().id;
-        let known = SHAPES.iter().find(|shape| shape.id() == id).zip(fit.range_of(self.problem, id));
+        let known = SHAPES.iter().find(|shape| shape.about().id == id).zip(fit.range_of(self.problem, id));
         let Some((shape, own)) = known else { return String::new() };
         let values = &fit.minimum.values;
         let deviation = |g: &[f64]| {

@@ -25,10 +25,10 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
         if let Some(beyond) = beyond {
             all[first + beyond].ci95 = coordinates[first + beyond].bounds;
         }
-        let divisor = information.map_or(1.0, |information| information.divisor(own));
         for moment in effect.moments() {
             let Estimate { value, ci95, .. } = &mut all[first + moment];
             if Some(moment) != beyond {
+                let divisor = information.map_or(1.0, |information| information.divisor(own.clone()));
                 *ci95 = change_point::interval(problem, fit, first + moment, divisor);
             }
             *value += origin;

@@ -1,9 +1,10 @@
 //! What a term without a name says, as one sentence: where it acts, on what it depends, of what shape it is, and how large it is
 //! with its 95 % interval.
 
-use crate::catalogue::shapes::{Shape, Signals};
+use crate::catalogue::shapes::{LAGS_S, SLIPS, Shape, Signals};
 use crate::dataset::Amplitudes;
-use crate::estimate::digits;
+use crate::estimate::{NORMAL_95, digits};
+use crate::model::effect::Effect;
 
 /// Largest size of a signal that is spoken of, in its standard deviations.
 const FAR: f64 = 2.0;
@@ -15,8 +16,6 @@ const SLIGHT: f64 = 1.0 / 3.0;
 const NOTHING_YET: f64 = 0.15;
 /// A curve whose near value is within this share of the far one is of one size.
 const SAME_SIZE: f64 = 0.15;
-/// Quantile of the normal distribution for a two-sided 95 % interval.
-const NORMAL_95: f64 = 1.96;
 
 /// A term without a name with its coefficients `p`.
 pub struct Formula<'a> {
@@ -33,9 +32,9 @@ pub struct Formula<'a> {
 }
 
 /// The signal that a curve is of.
-struct Axis {
+struct Axis<'a> {
     size: f64,
-    unit: String,
+    unit: &'a str,
     set: fn(f64) -> Signals,
     /// What an odd curve does for a negative and for a positive value at positive ones.
     odd: [&'static str; 2],
@@ -44,26 +43,24 @@ struct Axis {
 impl Formula<'_> {
     /// The sentence.
     pub fn in_words(&self) -> String {
-        let words = self.shape.words();
+        let about = self.shape.about();
         let Amplitudes { q, theta, u, duration, .. } = *self.sizes;
-        let rate = |set| Axis {
-            size: q,
-            unit: "rad/s".into(),
-            set,
-            odd: ["against the motion", "along with the motion"],
-        };
-        let angle =
-            |set| Axis { size: theta, unit: "rad".into(), set, odd: ["that pulls back", "that pushes away"] };
         let places = |places: &[(String, Signals)]| self.at_places(places);
-        let told = match self.shape.id() {
-            "of_q" | "of_slow_q" => return self.curve(&rate(|x| Signals { x, ..Signals::default() })),
+        let told = match about.id {
+            "of_q" | "of_slow_q" => {
+                let set = |x| Signals { x, ..Signals::default() };
+                let odd = ["against the motion", "along with the motion"];
+                return self.curve(&Axis { size: q, unit: "rad/s", set, odd });
+            }
             "of_theta" | "of_theta_by_side" => {
-                return self.curve(&angle(|y| Signals { y, ..Signals::default() }));
+                let set = |y| Signals { y, ..Signals::default() };
+                let odd = ["that pulls back", "that pushes away"];
+                return self.curve(&Axis { size: theta, unit: "rad", set, odd });
             }
             "of_u" => {
                 let set = |v| Signals { v, ..Signals::default() };
                 let odd = ["against the command", "along with the command"];
-                return self.curve(&Axis { size: u, unit: self.input_unit.into(), set, odd });
+                return self.curve(&Axis { size: u, unit: self.input_unit, set, odd });
             }
             "of_q_and_theta" => {
                 let at = |y: f64| {
@@ -73,17 +70,17 @@ impl Formula<'_> {
             }
             "slipping_springs" => {
                 let at = |y: f64| {
-                    let memory = [y.min(0.2), y.min(0.7), 0.0];
+                    let memory = [y.min(SLIPS[0]), y.min(SLIPS[1]), 0.0];
                     (
                         format!("{} rad after a turn", digits(y * theta)),
                         Signals { memory, ..Signals::default() },
                     )
                 };
-                places(&[at(0.2), at(0.7)])
+                places(&SLIPS.map(at))
             }
             "memory_of_u" => {
                 let at = |t: f64| {
-                    let memory = [0.06, 0.2, 0.6].map(|time| 1.0 - f64::exp(-t / time));
+                    let memory = LAGS_S.map(|time| 1.0 - f64::exp(-t / time));
                     (
                         format!("{t} s after a step of {} {}", digits(u), self.input_unit),
                         Signals { memory, ..Signals::default() },
@@ -114,29 +111,28 @@ impl Formula<'_> {
                     (format!("{:.0} s", t * duration), Signals { x: 1.0, v: 1.0, t, ..Signals::default() })
                 };
                 let all: Vec<_> = (0..8).map(|i| at(f64::from(i) / 7.0)).collect();
-                let per =
-                    if self.shape.id() == "moment_over_time" { "" } else { ", at usual rate and command" };
+                let per = if about.id == "moment_over_time" { "" } else { ", at usual rate and command" };
                 places(&all) + per
             }
             _ => {
                 let all = Signals { x: 1.0, y: 1.0, v: 1.0, ..Signals::default() };
                 let usual = [("q", q, "rad/s"), ("theta", theta, "rad"), ("u", u, self.input_unit)]
                     .into_iter()
-                    .filter(|(name, ..)| self.shape.depends_on(name))
+                    .filter(|(name, ..)| about.variable.split([' ', '|']).any(|signal| signal == *name))
                     .map(|(name, size, unit)| format!("{name} = {} {unit}", digits(size)));
                 places(&[(usual.collect::<Vec<_>>().join(" and "), all)])
             }
         };
-        format!("{words}: {told}")
+        format!("{}: {told}", about.sentence)
     }
 
     fn unit(&self) -> &'static str {
-        if self.shape.is_measured() { "rad/s" } else { "N m" }
+        self.shape.parameters(self.sizes)[0].unit
     }
 
     /// Σ g_i p_i with its interval: "0.113 ± 0.012".
     fn told(&self, g: &[f64]) -> String {
-        let value: f64 = g.iter().zip(self.p).map(|(g, p)| g * p).sum();
+        let value = self.value(g);
         let reach = NORMAL_95 * (self.deviation)(g);
         if reach.is_finite() { format!("{} ± {}", digits(value), digits(reach)) } else { digits(value) }
     }
@@ -155,7 +151,7 @@ impl Formula<'_> {
     }
 
     /// A curve of one signal: the odd part, the even part, or both sides where neither is slight.
-    fn curve(&self, axis: &Axis) -> String {
+    fn curve(&self, axis: &Axis<'_>) -> String {
         let at = |x: f64| self.shape.curves(&(axis.set)(x));
         let half = |x: f64, sign: f64| -> Vec<f64> {
             at(x).iter().zip(at(-x)).map(|(plus, minus)| 0.5 * (plus + sign * minus)).collect()
@@ -177,11 +173,11 @@ impl Formula<'_> {
         }
         let sides = [-FAR, -1.0, 1.0, FAR]
             .map(|x| (format!("{} {}", digits(x * axis.size), axis.unit), (axis.set)(x)));
-        format!("{}: {}", self.shape.words(), self.at_places(&sides))
+        format!("{}: {}", self.shape.about().sentence, self.at_places(&sides))
     }
 
     /// How a part of the curve goes from small signals to large ones.
-    fn course(&self, part: &dyn Fn(f64) -> Vec<f64>, axis: &Axis) -> String {
+    fn course(&self, part: &dyn Fn(f64) -> Vec<f64>, axis: &Axis<'_>) -> String {
         let place = |x: f64| format!("{} {}", digits(x * axis.size), axis.unit);
         let sign = self.value(&part(FAR)).signum();
         let size = |x: f64| self.told(&part(x).iter().map(|g| sign * g).collect::<Vec<f64>>());
@@ -219,7 +215,7 @@ mod tests {
     };
 
     fn said(id: &str, p: &[f64]) -> String {
-        let shape = SHAPES.iter().find(|shape| shape.id() == id).unwrap();
+        let shape = SHAPES.iter().find(|shape| shape.about().id == id).unwrap();
         let deviation = |g: &[f64]| 0.005 * g.iter().map(|g| g * g).sum::<f64>().sqrt();
         Formula { shape, p, deviation: &deviation, sizes: &SIZES, input_unit: "rad" }.in_words()
     }
@@ -248,7 +244,7 @@ mod tests {
     fn every_term_is_said_with_numbers_and_units() {
         for shape in SHAPES {
             let p = vec![0.1; shape.curves(&Signals::default()).len()];
-            let text = said(shape.id(), &p);
+            let text = said(shape.about().id, &p);
             assert!(text.contains("± ") && !text.contains("coefficients") && !text.contains("NaN"), "{text}");
         }
     }

@@ -358,10 +358,11 @@ impl<'a> PitchModel<'a> {
             if self.within_sample {
                 let impulse =
                     self.terms.iter().map(|term| term.effect.impulse(term.values, &at)).sum::<f64>();
-                let mut kicked = State::zeros();
-                if run.held {
-                    kicked = self.kick.left(at.command_left()) * (impulse / inertia_factor(&self.terms, &at));
-                } else {
+                let jumps = run.held && impulse != 0.0;
+                let kicked = jumps.then(|| {
+                    self.kick.left(at.command_left()) * (impulse / inertia_factor(&self.terms, &at))
+                });
+                if !jumps {
                     forced += impulse / at.dt;
                 }
                 self.substep_with_terms(point, control, forced, kicked, &at);
@@ -393,15 +394,17 @@ impl<'a> PitchModel<'a> {
         point: &mut Point,
         control: f64,
         forced: f64,
-        kicked: State,
+        kicked: Option<State>,
         at: &Conditions,
     ) {
         let (before, driving) = (point.x, control + forced);
         let (moment, angle_rate) = self.nonlinear(&before, &point.own, driving, at);
         point.x = self.substep.apply(&before)
             + self.per_moment * (driving + moment)
-            + self.per_angle_rate * angle_rate
-            + kicked;
+            + self.per_angle_rate * angle_rate;
+        if let Some(kicked) = kicked {
+            point.x += kicked;
+        }
         let (corrected, corrected_rate) =
             self.nonlinear(&((before + point.x) * 0.5), &point.own, driving, at);
         point.x +=

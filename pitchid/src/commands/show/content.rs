@@ -160,9 +160,15 @@ fn of_axis(log: &Log, axis: Axis) -> ShownAxis {
         })
     };
     let series = |channel: &Option<Channel>| channel.as_ref().map(|channel| channel.series(log));
-    let excitation = series(&channels.input).map(|input| spans(&input, series(&channels.rate).as_ref()));
+    let (mut input, mut rate) = (series(&channels.input), series(&channels.rate));
+    let excitation = input.as_ref().map(|input| spans(input, rate.as_ref()));
     let curve = |(role, channel): (&'static str, &Option<Channel>)| {
-        channel.as_ref().map(|channel| Curve::new(role, channel.unit, &channel.series(log)))
+        let all = match role {
+            "input" => input.take(),
+            "rate" => rate.take(),
+            _ => series(channel),
+        };
+        Some(Curve::new(role, channel.as_ref()?.unit, &all?))
     };
     let setting = |setting: &flight_logs::axes::Setting| ShownSetting {
         parameter: setting.parameter,

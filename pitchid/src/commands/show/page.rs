@@ -3,12 +3,11 @@
 use super::content::{Curve, Shown};
 use crate::failure::Failure;
 use crate::logs::excitation::Span;
+use crate::report::rendered;
 use benchmark::Error;
 use benchmark::canvas::{
     self, Axes, BASELINE, EXTENDED, MEASURED, legend, mesh, padded, px, shade, svg, tick,
 };
-use minijinja::value::Serde;
-use minijinja::{AutoEscape, Environment};
 use plotters::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
@@ -40,19 +39,13 @@ struct Part<'a> {
 /// # Errors
 /// A picture or the page that could not be drawn.
 pub fn html(shown: &[Shown]) -> Result<String, Failure> {
-    let failed = |error: minijinja::Error| {
-        Failure::new(format!("the report could not be made: {error}"), "leave out --report")
-    };
-    let mut environment = Environment::new();
-    environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    environment.add_template("show", include_str!("page.html")).map_err(failed)?;
     let page = Page {
         parts: shown.iter().map(part).collect::<Result<_, Error>>()?,
         style: canvas::STYLE,
         dark_style: canvas::DARK_STYLE,
         version: env!("CARGO_PKG_VERSION"),
     };
-    environment.get_template("show").and_then(|t| t.render(Serde(page))).map_err(failed)
+    rendered(include_str!("page.html"), page)
 }
 
 fn part(shown: &Shown) -> Result<Part<'_>, Error> {
