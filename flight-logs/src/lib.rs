@@ -21,6 +21,8 @@ mod tlog;
 mod ulog;
 mod ulog2csv;
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 pub use error::{Error, Place};
@@ -175,17 +177,22 @@ impl Topic {
         if self.instance == 0 { self.name.clone() } else { format!("{}.{}", self.name, self.instance) }
     }
 
-    /// Rows per second: one over the median of the positive time steps; `None` below three rows.
+    /// Rows per second: one over the median of the positive time steps (of long logs, of evenly chosen ones); `None` below three
+    /// rows.
     #[must_use]
     pub fn rate_hz(&self) -> Option<f64> {
         rate_hz(&self.time_s)
     }
 }
 
-/// One over the median of the positive steps between `times` (s); `None` where there are not two.
+/// Steps at most that tell the rate of a topic.
+const MOST_STEPS: usize = 1 << 16;
+
+/// One over the median of the positive steps between `times` (s), of long logs of evenly chosen ones; `None` where there are not
+/// two.
 fn rate_hz(times: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> =
-        times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    let pairs = times.windows(2).step_by(1 + times.len() / MOST_STEPS);
+    let mut steps: Vec<f64> = pairs.map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
     if steps.len() < 2 {
         return None;
     }
@@ -201,7 +208,7 @@ impl Field {
 
 /// Reads flight logs: each file for itself, but CSV files of `ulog2csv` together as one log.
 ///
-/// Each file is held in memory, and 8 bytes for each of its numbers; no size that a file claims is believed.
+/// In memory are 8 bytes for each number and, but for ULog, the file; no size that a file claims is believed.
 ///
 /// # Errors
 /// A file that cannot be read, is empty, is none of the known formats, or holds nothing that can be read.
@@ -213,8 +220,18 @@ pub fn read(paths: &[&Path]) -> Result<Vec<Log>, Error> {
         if path.is_dir() {
             return Err(Error::from_io(&name, &std::io::ErrorKind::IsADirectory.into()));
         }
-        let bytes = std::fs::read(path).map_err(|error| Error::from_io(&name, &error))?;
-        match sniff(&bytes) {
+        let unreadable = |error: std::io::Error| Error::from_io(&name, &error);
+        let mut file = File::open(path).map_err(unreadable)?;
+        let mut bytes = Vec::new();
+        (&mut file).take(sniff::REACH as u64).read_to_end(&mut bytes).map_err(unreadable)?;
+        let format = sniff(&bytes);
+        if format == Some(Format::ULog) {
+            let log = ulog::read(&mut bytes.as_slice().chain(file));
+            logs.push(log.map_err(|error| error.in_file(&name))?);
+            continue;
+        }
+        file.read_to_end(&mut bytes).map_err(unreadable)?;
+        match format {
             Some(Format::Ulog2Csv) => tables.push((name, bytes)),
             _ => logs.extend(parse(&name, &bytes)?),
         }
@@ -231,7 +248,7 @@ pub fn read(paths: &[&Path]) -> Result<Vec<Log>, Error> {
 /// As [`read`].
 pub fn parse(name: &str, bytes: &[u8]) -> Result<Vec<Log>, Error> {
     let read = match sniff(bytes) {
-        Some(Format::ULog) => ulog::parse(bytes).map(|log| vec![log]),
+        Some(Format::ULog) => ulog::read(&mut &bytes[..]).map(|log| vec![log]),
         Some(Format::DataFlash) => dataflash::parse(bytes).map(|log| vec![log]),
         Some(Format::DataFlashText) => dataflash::parse_text(bytes).map(|log| vec![log]),
         Some(Format::Blackbox) => blackbox::parse(bytes),

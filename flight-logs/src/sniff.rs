@@ -22,7 +22,7 @@ pub enum Format {
 }
 
 /// How much of a file may go by before its format shows: logs start in the middle, or after a greeting.
-const REACH: usize = 1 << 16;
+pub(crate) const REACH: usize = 1 << 16;
 
 /// The format of these bytes, if it is one that [`parse`](crate::parse) reads.
 #[must_use]

@@ -84,6 +84,35 @@ fn foreign_bytes_in_the_middle_cost_little_and_are_counted() {
 }
 
 #[test]
+fn a_log_of_several_blocks_is_read_as_one() {
+    let once = ulog(60_000);
+    let data = &once[ulog(0).len()..];
+    let long = [&once[..], data, data].concat();
+    assert!(long.len() > 5 << 20, "{}", long.len());
+    let whole = rows("log.ulg", &long);
+    assert_eq!(whole, 3 * rows("log.ulg", &once));
+    let (mut damaged, mut places) = (Vec::new(), 0);
+    for piece in long.chunks(70_001) {
+        damaged.extend(piece);
+        damaged.extend([0xff; 500]);
+        places += 1;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.ulg");
+    std::fs::write(&path, &damaged).unwrap();
+    let logs = flight_logs::read(&[&path]).unwrap();
+    sound(&logs);
+    assert!(
+        logs[0].notes.iter().any(|note| note.contains(&format!("{places} places"))),
+        "{:?}",
+        logs[0].notes
+    );
+    let read: usize = logs[0].topics.iter().map(|topic| topic.time_s.len()).sum();
+    assert_eq!(read, rows("log.ulg", &damaged));
+    assert!((whole - 10 * places..=whole).contains(&read), "{read} of {whole} rows in {places} places");
+}
+
+#[test]
 fn bytes_that_are_no_log_are_refused_with_advice() {
     for bytes in [&b""[..], b"PK\x03\x04", b"t_s,u_rad\n0,1\n", &[0; 1000], b"ULo"] {
         let error = parse("odd.bin", bytes).expect_err("no log");

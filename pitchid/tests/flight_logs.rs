@@ -101,13 +101,22 @@ fn recordings_are_shown_too() {
         format!("{t:.2},{},{},{}\n", 0.1 * (3.0 * t).sin(), (3.0 * t).cos(), if k < 250 { "I" } else { "IV" })
     });
     let table = "t_s,u_norm,q_rad_s,section\n".to_owned() + &rows.collect::<String>();
-    std::fs::write(folder.path().join("flight.csv"), table).unwrap();
+    std::fs::write(folder.path().join("flight.csv"), &table).unwrap();
     let text = answered(folder.path(), &["show", "flight.csv"]);
     for part in ["500 rows at 50.0 Hz", "u_norm, q_rad_s", "moves: 0.0 to 9.0 s", "IV"] {
         assert!(text.contains(part), "no {part} in {text}");
     }
+    let part = answered(folder.path(), &["show", "flight.csv", "--time", "2..4"]);
+    assert!(part.contains("100 rows") && part.contains("next: pitchid diagnose flight.csv"), "{part}");
     let refusal = refused(folder.path(), &["diagnose", "flight.csv", "--axis", "roll"]);
     assert!(refusal.contains("u_roll_norm"), "{refusal}");
+    let table = table.replacen("u_norm,q_rad_s", "u_yaw_norm,r_rad_s", 1);
+    std::fs::write(folder.path().join("yaw.csv"), table).unwrap();
+    let text = answered(folder.path(), &["show", "yaw.csv"]);
+    assert!(
+        text.contains("recording, yaw") && text.contains("next: pitchid diagnose yaw.csv --axis yaw"),
+        "{text}"
+    );
     std::fs::write(folder.path().join("broken.ulg"), b"ULog\x01\x12\x35\x01").unwrap();
     assert!(refused(folder.path(), &["show", "broken.ulg"]).contains("broken.ulg"));
     assert!(refused(folder.path(), &["show", "no.ulg"]).contains("no such file"));

@@ -7,6 +7,7 @@
 mod formats;
 
 use std::collections::HashMap;
+use std::io::Read;
 use std::rc::Rc;
 
 use crate::bytes::{Number, array, text};
@@ -17,53 +18,74 @@ use formats::{Formats, Layout};
 /// The first bytes of a ULog file; its version follows.
 pub(crate) const MAGIC: [u8; 7] = *b"ULog\x01\x12\x35";
 const HEADER: usize = 16;
+/// Where the body of the message of flags begins, if there is one, and where it ends.
+const FLAGS: usize = HEADER + 3;
+const FLAGS_END: usize = FLAGS + 40;
 const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12];
 /// The colon after the name of a format comes before this.
 const LONGEST_NAME: usize = 256;
 /// Messages in a row that tell order from damage.
 const CHAIN: usize = 4;
+/// Bytes that so many messages have at most: what has to be in memory beyond the message that is read.
+const AHEAD: usize = CHAIN * (3 + u16::MAX as usize);
+/// Bytes that are read at once.
+const BLOCK: usize = 1 << 22;
 
-/// Reads a ULog file.
-pub(crate) fn parse(bytes: &[u8]) -> Result<Log, Error> {
-    if bytes.len() < HEADER {
-        let found = format!("{} bytes", bytes.len());
+/// Reads a ULog file from its start; of the file a block is in memory at a time.
+pub(crate) fn read(source: &mut impl Read) -> Result<Log, Error> {
+    let mut start = Vec::with_capacity(FLAGS_END);
+    fill(source, &mut start, FLAGS_END)?;
+    if start.len() < HEADER {
+        let found = format!("{} bytes", start.len());
         return Err(
             Error::new(found, "log again: nothing was written").expecting("a ULog header of 16 bytes")
         );
     }
-    let mut reader = Reader { fields_left: bytes.len(), ..Reader::default() };
-    let mut ends = appended(bytes)?;
-    ends.push(bytes.len());
-    let mut start = HEADER;
+    let mut reader = Reader::default();
+    let mut ends = appended(&start)?;
+    ends.push(usize::MAX);
+    let mut window = Window { bytes: start.split_off(HEADER), offset: HEADER };
+    reader.fields_left = HEADER + window.bytes.len();
     for end in ends {
-        reader.section(bytes, start, end);
-        start = end;
+        reader.section(source, &mut window, end)?;
     }
     reader.finish()
 }
 
-/// Where the parts written after a crash begin, in order.
-fn appended(bytes: &[u8]) -> Result<Vec<usize>, Error> {
-    const BODY: usize = HEADER + 3;
-    if bytes.get(HEADER + 2) != Some(&b'B') || bytes.len() < BODY + 40 {
+/// Adds up to `count` bytes; fewer at the end of the source.
+fn fill(source: &mut impl Read, bytes: &mut Vec<u8>, count: usize) -> Result<usize, Error> {
+    let read = source.take(count as u64).read_to_end(bytes);
+    read.map_err(|error| Error::from_io("", &error))
+}
+
+/// Where the parts written after a crash begin, in order; `start` holds the header and the message of flags.
+fn appended(start: &[u8]) -> Result<Vec<usize>, Error> {
+    if start.get(HEADER + 2) != Some(&b'B') || start.len() < FLAGS_END {
         return Ok(Vec::new());
     }
-    let flags: [u8; 8] = array(bytes, BODY + 8).unwrap_or_default();
+    let flags: [u8; 8] = array(start, FLAGS + 8).unwrap_or_default();
     if flags[0] & !1 != 0 || flags[1..] != [0; 7] {
         return Err(Error::new(
             format!("incompatible flags {flags:02x?}"),
             "read the log with a newer version of this program",
         )
-        .at(Place::Offset(BODY + 8))
+        .at(Place::Offset(FLAGS + 8))
         .expecting("none but appended data (01)"));
     }
-    let offsets = (0..3).filter_map(|i| Some(u64::from_le_bytes(array(bytes, BODY + 16 + 8 * i)?)));
+    let offsets = (0..3).filter_map(|i| Some(u64::from_le_bytes(array(start, FLAGS + 16 + 8 * i)?)));
     let mut offsets: Vec<usize> = offsets
         .filter_map(|offset| usize::try_from(offset).ok())
-        .filter(|&offset| offset > BODY + 40 && offset < bytes.len() && flags[0] & 1 == 1)
+        .filter(|&offset| offset > FLAGS_END && flags[0] & 1 == 1)
         .collect();
     offsets.sort_unstable();
     Ok(offsets)
+}
+
+/// The part of the file that is in memory.
+struct Window {
+    bytes: Vec<u8>,
+    /// Where in the file it begins.
+    offset: usize,
 }
 
 /// A subscription; its topic comes to be with its first row.
@@ -78,7 +100,7 @@ struct Source {
 struct Reader {
     formats: Formats,
     layouts: HashMap<String, Option<Rc<Layout>>>,
-    /// Fields that further layouts may have: fewer than bytes in the file, as in every log with a row each.
+    /// Fields that further layouts may have: fewer than bytes read, as in every log with a row each.
     fields_left: usize,
     sources: HashMap<u16, Source>,
     topics: Vec<Topic>,
@@ -92,20 +114,40 @@ struct Reader {
 }
 
 impl Reader {
-    fn section(&mut self, bytes: &[u8], start: usize, end: usize) {
-        let bytes = bytes.get(..end).unwrap_or(bytes);
-        let mut at = start;
-        while at < bytes.len() {
+    /// Reads the messages up to `end`, an offset in the file.
+    fn section(&mut self, source: &mut impl Read, window: &mut Window, end: usize) -> Result<(), Error> {
+        loop {
+            let missing = end.saturating_sub(window.offset + window.bytes.len()).min(BLOCK);
+            let read = fill(source, &mut window.bytes, missing)?;
+            self.fields_left += read;
+            let here = end.saturating_sub(window.offset).min(window.bytes.len());
+            let last = read < missing || window.offset + here == end;
+            let bytes = window.bytes.get(..here).unwrap_or_default();
+            let sure = if last { here } else { here.saturating_sub(AHEAD) };
+            let taken = self.messages_of(bytes, sure, window.offset);
+            window.bytes.drain(..taken);
+            window.offset += taken;
+            if last {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Takes the messages that begin before `sure`, and says where the next one begins.
+    fn messages_of(&mut self, bytes: &[u8], sure: usize, offset: usize) -> usize {
+        let mut at = 0;
+        while at < sure {
             if let Some(next) = self.next(bytes, at) {
                 self.message(bytes[at + 2], &bytes[at + 3..next]);
                 self.messages += 1;
                 at = next;
             } else {
-                let next = (at + 1..bytes.len()).find(|&from| self.chain(bytes, from)).unwrap_or(bytes.len());
-                self.damage.skip(at, next - at);
+                let next = (at + 1..sure).find(|&from| self.chain(bytes, from)).unwrap_or(sure);
+                self.damage.skip(offset + at, next - at);
                 at = next;
             }
         }
+        at
     }
 
     /// The end of the message at `at`, if it can be one.

@@ -71,10 +71,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let recordings = arguments.reading.recordings()?;
     let model = arguments.reading.model()?;
     let progress = Progress::start("reading");
-    let found = diagnose(&recordings, model.as_ref().map(|(_, m)| m), &|what| progress.say(what))?;
+    let mut found = diagnose(&recordings, model.as_ref().map(|(_, m)| m), &|what| progress.say(what))?;
     drop(progress);
+    let axis = arguments.reading.axis().to_string();
+    found.answer.tell_of(&axis);
     let named = model.as_ref().map(|(name, m)| (name.as_str(), m));
-    let content = Content::new(&found.answer, &found.traces, arguments.reading.names(), named);
+    let content = Content::new(&found.answer, &found.traces, arguments.reading.names(), named).of_axis(&axis);
     let quiet = outputs.into_iter().any(|path| output::is_stdout(path.as_deref()));
     if !quiet {
         output::print(&text::diagnosis(&content))?;

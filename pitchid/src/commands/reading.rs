@@ -76,6 +76,11 @@ impl Reading {
         self.sources()?.iter().map(|source| source.recording(axis, &options)).collect()
     }
 
+    /// The axis that is meant, where it is one.
+    pub fn axis(&self) -> Axis {
+        self.axis.and_then(AxisChoice::one).unwrap_or(Axis::Pitch)
+    }
+
     /// Whether all axes are asked for.
     pub fn all_axes(&self) -> bool {
         self.axis == Some(AxisChoice::All)

@@ -4,14 +4,15 @@ mod content;
 mod page;
 mod words;
 
+use crate::axes::Readable;
 use crate::failure::Failure;
-use crate::logs::{AxisName, Source, TimeSpan, choose, open, refuse_options};
+use crate::logs::{AxisName, Source, TimeSpan, choose, open};
 use crate::output;
 use clap::Args;
 use content::{Shown, of_flight, of_recording};
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
-use sysid::recording::{ReadOptions, read};
+use sysid::recording::ReadOptions;
 
 /// Says what a flight log or a recording holds: whether it can serve, where something moves, what to set if not
 ///
@@ -34,7 +35,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     flight: Option<usize>,
 
-    /// Only this part, in seconds of the log's own clock
+    /// Only this part, in seconds of the file's own clock
     #[arg(long, value_name = "FROM..TO", allow_hyphen_values = true)]
     time: Option<TimeSpan>,
 
@@ -55,6 +56,22 @@ Examples:
 
 Exit status: 0 it was read, whatever it holds; 2 the input could not be used.";
 
+/// A recording, by axis where it has columns of several.
+fn of_table(table: &Readable, axis: Option<Axis>) -> Result<Vec<Shown>, Failure> {
+    let mut axes: Vec<Option<Axis>> = match axis {
+        Some(_) => vec![axis],
+        None => table.axes().into_iter().map(Some).collect(),
+    };
+    if axes.is_empty() {
+        axes.push(None);
+    }
+    let read = |axis| {
+        let recording = table.recording(axis, &ReadOptions::default())?;
+        Ok(Shown::Recording(of_recording(&recording, axis)))
+    };
+    axes.into_iter().map(read).collect()
+}
+
 /// Shows.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs: Vec<&Path> = arguments.logs.iter().map(PathBuf::as_path).collect();
@@ -63,12 +80,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut shown = Vec::new();
     for source in open(&arguments.logs, &[])? {
         match source {
-            Source::Recording(path) => {
-                let (axis, flight, time) = (&arguments.axis, &arguments.flight, &arguments.time);
-                let given =
-                    [("--axis", axis.is_some()), ("--flight", flight.is_some()), ("--time", time.is_some())];
-                refuse_options(&path, given)?;
-                shown.push(Shown::Recording(of_recording(&read(&path, &ReadOptions::default())?)));
+            Source::Recording(_) => {
+                let table = Readable::new(source, arguments.flight, arguments.time.as_ref())?;
+                shown.extend(of_table(&table, arguments.axis.map(Axis::from))?);
             }
             Source::Log(flights) => {
                 let flights = match arguments.flight {

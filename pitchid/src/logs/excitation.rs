@@ -3,6 +3,7 @@
 use super::align::median_step;
 use flight_logs::axes::{LEAST_MOTION_RAD_S, Series};
 use serde::Serialize;
+use std::ops::Range;
 use sysid::validate::coherence::coherence;
 
 /// Length of the pieces that are judged, s.
@@ -60,9 +61,13 @@ pub fn spans(input: &Series, rate: Option<&Series>) -> Vec<Span> {
     found.into_iter().map(span).collect()
 }
 
-fn inside(series: &Series, [from, to]: [f64; 2]) -> &[f64] {
+fn rows(series: &Series, [from, to]: [f64; 2]) -> Range<usize> {
     let place = |time: f64| series.time_s.partition_point(|&t| t < time);
-    series.values.get(place(from)..place(to)).unwrap_or_default()
+    place(from)..place(to)
+}
+
+fn inside(series: &Series, span: [f64; 2]) -> &[f64] {
+    series.values.get(rows(series, span)).unwrap_or_default()
 }
 
 /// Standard deviation of the values in a span; 0 where they are few.
@@ -78,7 +83,7 @@ fn deviation(series: &Series, span: [f64; 2]) -> f64 {
 
 fn band(series: &Series, span: [f64; 2]) -> Option<[f64; 2]> {
     let values = inside(series, span);
-    let lines = coherence(&[[values, values]], median_step(&series.time_s));
+    let lines = coherence(&[[values, values]], median_step(series.time_s.get(rows(series, span))?));
     // power between each line and the next
     let power: Vec<f64> = lines
         .windows(2)

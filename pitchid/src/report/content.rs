@@ -4,6 +4,7 @@ use crate::format::{self, Shown};
 use serde::Serialize;
 use sysid::catalogue;
 use sysid::diagnosis::answer::{Answer, EffectAnswer, Verdict, WithError};
+use sysid::diagnosis::axis_words::of_axis;
 use sysid::diagnosis::data_checks::{DataCheck, State};
 use sysid::diagnosis::traces::Trace;
 use sysid::estimate::Estimate;
@@ -151,6 +152,18 @@ impl Content {
             answer: answer.clone(),
         }
     }
+
+    /// Its own words for the axis that the answer tells of.
+    pub fn of_axis(mut self, axis: &str) -> Self {
+        let mut words: Vec<&mut String> = vec![&mut self.headline];
+        words.extend(self.effects.iter_mut().flat_map(|effect| [&mut effect.sentence, &mut effect.locus]));
+        words.extend(self.location.iter_mut().map(|location| &mut location.locus));
+        words.extend(self.parameters.iter_mut().map(|parameter| &mut parameter.meaning));
+        for text in words {
+            *text = of_axis(text, axis);
+        }
+        self
+    }
 }
 
 /// The verdict in two or three words.
@@ -279,7 +292,7 @@ fn effect_row(effect: &EffectAnswer) -> EffectRow {
 }
 
 /// Never 0 or 100 %, which no data give.
-fn probability(p: f64) -> String {
+pub fn probability(p: f64) -> String {
     if p > 0.999 { "over 99.9 %".into() } else { format!("{:.1} %", 100.0 * p) }
 }
 

@@ -2,8 +2,9 @@
 
 use super::{heading, indented, paragraph, questions};
 use crate::format;
-use crate::report::content::{headline, verdict};
+use crate::report::content::{headline, probability, verdict};
 use sysid::diagnosis::axes::AxesDiagnosis;
+use sysid::diagnosis::axis_words::of_axis;
 use sysid::diagnosis::shared::SharedTerm;
 
 /// What the axes share, and each by itself.
@@ -12,7 +13,12 @@ pub fn diagnoses(found: &AxesDiagnosis) -> String {
     let mut text = paragraph(&format!("SHARED BY THE AXES: {shared}"));
     for (axis, diagnosis) in &found.axes {
         let answer = &diagnosis.answer;
-        let title = format!("{}: {}: {}", axis.to_uppercase(), verdict(answer.verdict), headline(answer));
+        let title = format!(
+            "{}: {}: {}",
+            axis.to_uppercase(),
+            verdict(answer.verdict),
+            of_axis(&headline(answer), axis)
+        );
         text.push_str(&heading(&title));
         text.push_str(&indented(&answer.summary, "  ", "  "));
         text.push_str(&questions(&answer.questions));
@@ -37,7 +43,7 @@ fn shared(term: &SharedTerm) -> String {
     let rivals =
         if rivals.is_empty() { String::new() } else { format!("; or instead {}", rivals.join(", or ")) };
     format!(
-        "{} ({}) on {} alike: {} = {} {} (95 %: {}; {}){rest}; probability {:.0} %{rivals}",
+        "{} ({}) on {} alike: {} = {} {} (95 %: {}; {}){rest}; probability {}{rivals}",
         term.sentence,
         term.id,
         term.axes.join(" and "),
@@ -46,6 +52,6 @@ fn shared(term: &SharedTerm) -> String {
         format::unit(&term.parameter.unit),
         shown.interval,
         alone.join(", "),
-        100.0 * term.probability.min(0.99),
+        probability(term.probability),
     )
 }

@@ -11,7 +11,7 @@ impl Effect for InflowLag {
         About {
             id: "inflow_lag",
             locus: Locus::Actuator,
-            sentence: "the induced flow builds up behind the blade pitch",
+            sentence: "the induced flow builds up behind the blade angle",
             equation: "M = dM/du (u_a - g lambda), T_lambda dlambda/dt = u_a - lambda",
             variable: "u_rate",
             condition: "for a few tenths of a second after each switch of the input, as an overshoot",

@@ -11,7 +11,7 @@ impl Effect for LinkageBacklash {
         About {
             id: "linkage_backlash",
             locus: Locus::Actuator,
-            sentence: "the pitch linkage has free play",
+            sentence: "the linkage of the blades has free play",
             equation: "play operator of half-width b on u",
             variable: "u",
             condition: "after each reversal of the command",

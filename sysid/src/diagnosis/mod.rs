@@ -9,6 +9,7 @@
 pub mod adequacy;
 pub mod answer;
 pub mod axes;
+pub mod axis_words;
 mod building;
 mod ceiling;
 mod change_point;

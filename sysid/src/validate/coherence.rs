@@ -10,9 +10,10 @@
 //!
 //! Source: Bendat, Piersol, Random Data, 4th ed., section 9.2; Welch, IEEE Transactions on Audio 15, 1967.
 
-use nalgebra::Complex;
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
 use serde::Serialize;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Length of a segment, s, and least number of them.
 const SEGMENT_S: f64 = 8.0;
@@ -50,18 +51,22 @@ pub fn coherence(sections: &[[&[f64]; 2]], step: f64) -> Vec<Line> {
     let window: Vec<f64> =
         (0..length).map(|k| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / length as f64).cos()).collect();
     let bins = bins(length);
+    let transform = FftPlanner::new().plan_fft_forward(length);
     let mut sums = vec![(0.0, 0.0, Complex::from(0.0)); bins.len()];
     let mut segments = 0;
     for [u, y] in sections {
         let count = u.len().min(y.len());
         let mut from = 0;
         while from + length <= count {
-            for (bin, sum) in bins.iter().zip(&mut sums) {
-                let [a, b] = [&u[from..from + length], &y[from..from + length]]
-                    .map(|x| line_of(x, &window, TAU * *bin as f64 / length as f64));
-                sum.0 += a.norm_sqr();
-                sum.1 += b.norm_sqr();
-                sum.2 += b * a.conj();
+            let [a, b] = [u, y].map(|x| {
+                let mut lines = windowed(&x[from..from + length], &window);
+                transform.process(&mut lines);
+                lines
+            });
+            for (&bin, sum) in bins.iter().zip(&mut sums) {
+                sum.0 += a[bin].norm_sqr();
+                sum.1 += b[bin].norm_sqr();
+                sum.2 += b[bin] * a[bin].conj();
             }
             segments += 1;
             from += length / 2;
@@ -96,18 +101,10 @@ fn bins(length: usize) -> Vec<usize> {
     bins
 }
 
-/// The windowed segment about its mean at `angle` rad per sample.
-fn line_of(x: &[f64], window: &[f64], angle: f64) -> Complex<f64> {
-    debug_assert!(angle <= PI);
+/// The segment about its mean, windowed.
+fn windowed(x: &[f64], window: &[f64]) -> Vec<Complex<f64>> {
     let mean = x.iter().sum::<f64>() / x.len() as f64;
-    let rotation = Complex::cis(-angle);
-    let mut turn = Complex::from(1.0);
-    let mut sum = Complex::from(0.0);
-    for (x, w) in x.iter().zip(window) {
-        sum += turn * ((x - mean) * w);
-        turn *= rotation;
-    }
-    sum
+    x.iter().zip(window).map(|(x, w)| Complex::from((x - mean) * w)).collect()
 }
 
 #[cfg(test)]

@@ -101,6 +101,8 @@ pub struct ShownTopic {
 #[derive(Serialize)]
 pub struct ShownRecording {
     pub name: String,
+    /// Which of several.
+    pub axis: Option<String>,
     pub format: &'static str,
     pub rows: usize,
     pub rate_hz: f64,
@@ -210,8 +212,8 @@ fn of_topic(topic: &Topic) -> ShownTopic {
     }
 }
 
-/// Of one recording.
-pub fn of_recording(recording: &Recording) -> ShownRecording {
+/// Of one recording, or one axis of it.
+pub fn of_recording(recording: &Recording, axis: Option<Axis>) -> ShownRecording {
     let series = |values: &[f64]| Series { time_s: recording.t.clone(), values: values.to_vec() };
     let rate = recording.q.as_deref().map(series);
     let curves = [
@@ -227,7 +229,8 @@ pub fn of_recording(recording: &Recording) -> ShownRecording {
     };
     ShownRecording {
         name: recording.name.clone(),
-        format: "recording (CSV)",
+        axis: axis.map(|axis| axis.to_string()),
+        format: "recording",
         rows: recording.len(),
         rate_hz: 1.0 / recording.step,
         time_s: span(&(0..recording.len())),

@@ -140,7 +140,7 @@ mod tests {
             text += &format!("{t:.2},{:.5},{:.5}\n", moves * (5.0 * t).sin(), moves * (5.0 * t).cos());
         }
         let recording = parse("a & b.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
-        let page = html(&[Shown::Recording(of_recording(&recording))]).unwrap();
+        let page = html(&[Shown::Recording(of_recording(&recording, None))]).unwrap();
         assert_eq!(page.matches("<svg").count(), 2, "input and rate");
         assert_eq!(page.matches("opacity=\"0.08\"").count(), 2, "one span in each");
         assert!(page.contains("a &amp; b.csv") && !page.contains("http:"), "nothing is fetched");

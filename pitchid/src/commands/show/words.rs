@@ -121,9 +121,10 @@ fn moving(spans: &[Span]) -> Vec<String> {
 fn of_recording(recording: &ShownRecording) -> String {
     let [from, to] = recording.time_s;
     let mut text = paragraph(&format!(
-        "{}: {}; {} rows at {} Hz, {} gaps; {:.1} s, from {from:.3} to {to:.3} s of its clock",
+        "{}: {}{}; {} rows at {} Hz, {} gaps; {:.1} s, from {from:.3} to {to:.3} s of its clock",
         recording.name,
         recording.format,
+        recording.axis.as_ref().map_or(String::new(), |axis| format!(", {axis}")),
         recording.rows,
         plain(recording.rate_hz),
         recording.gaps,
@@ -138,6 +139,8 @@ fn of_recording(recording: &ShownRecording) -> String {
     for words in moving(&recording.excitation) {
         text += &indented(&words, "  ", "    ");
     }
+    let axis = recording.axis.as_ref().map_or(String::new(), |axis| format!(" --axis {axis}"));
+    text += &indented(&format!("next: pitchid diagnose {}{axis}", recording.name), "  ", "    ");
     let rows = recording.sections.iter().map(|section| {
         let [from, to] = section.time_s;
         vec![section.label.clone(), section.rows.to_string(), format!("{from:.3}"), format!("{to:.3}")]
