@@ -3,7 +3,7 @@
 use crate::seal::{Folder, MODEL, RECORDING};
 use crate::{Error, files};
 use host_sim::flight::Truth;
-use host_sim::trial::{Kind, Trial};
+use host_sim::proof_case::{Kind, Trial};
 use host_sim::{Air, Background};
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -2,7 +2,7 @@
 
 use crate::judge::Outcome;
 use host_sim::effects::{CATALOGUE, every};
-use host_sim::trial::Kind;
+use host_sim::proof_case::Kind;
 use std::fmt::Write as _;
 
 /// Side of a cell, CSS pixels.

@@ -5,7 +5,7 @@
 //! background is clean.
 
 use crate::truth::{Beside, Said, Sparse, Truth};
-use host_sim::trial::Kind;
+use host_sim::proof_case::Kind;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -88,7 +88,7 @@ fn case(outcome: &Outcome) -> Case<'_> {
 
 /// Good, open or wrong.
 fn tone(outcome: &Outcome) -> &'static str {
-    use host_sim::trial::Kind;
+    use host_sim::proof_case::Kind;
     let good = match outcome.kind {
         Kind::Effect => outcome.right && !outcome.companions,
         Kind::Pair => outcome.all_found && !outcome.companions,

@@ -1,7 +1,7 @@
 //! All outcomes together, as tables: the same for the terminal, for `table.md` and for the report.
 
 use crate::judge::{Outcome, Vaf, lowered};
-use host_sim::trial::Kind;
+use host_sim::proof_case::Kind;
 use serde::Serialize;
 use std::collections::BTreeSet;
 

@@ -1,6 +1,6 @@
 //! Truths and answers as they are read back, as far as they are compared.
 
-use host_sim::trial::Kind;
+use host_sim::proof_case::Kind;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;

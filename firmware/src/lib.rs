@@ -13,11 +13,11 @@
 #![cfg_attr(not(test), no_std)]
 
 pub mod deadline;
-pub mod failsafe;
 pub mod hil;
 pub mod imu;
 pub mod link;
 pub mod parameters;
 pub mod pitch_filter;
+pub mod reset_record;
 pub mod servo;
 pub mod store;

@@ -105,10 +105,14 @@ impl Log {
         self.info.iter().find(|(known, _)| known == key).map(|(_, text)| text.as_str())
     }
 
-    /// First and last time (s) of all rows; `None` where there are none.
+    /// First and last time (s) of all rows; `None` where there are none. Topics of a few rows may have been stamped by another
+    /// clock, or before the rest, and count where there is no other.
     #[must_use]
     pub fn span_s(&self) -> Option<[f64; 2]> {
-        let times = self.topics.iter().flat_map(|topic| &topic.time_s);
+        const FEW: usize = 10;
+        let any = self.topics.iter().any(|topic| topic.time_s.len() >= FEW);
+        let topics = self.topics.iter().filter(|topic| !any || topic.time_s.len() >= FEW);
+        let times = topics.flat_map(|topic| &topic.time_s);
         let [from, to] =
             times.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &t| [low.min(t), high.max(t)]);
         (from <= to).then_some([from, to])

@@ -28,7 +28,7 @@
 //! | [`mod@bench`], [`excitation`] | tests without the core: steps, ring-downs, tones, dead tails, any rate of the log |
 //! | [`free_flight`] | three axes under a controller of 500 Hz |
 //! | [`table`], [`dirt`] | a recording of any columns, and what happens to it on the way to a file |
-//! | [`trial`] | a case of a proof, drawn by a seed: what is concealed, how large, before which background |
+//! | [`proof_case`] | a case of a proof, drawn by a seed: what is concealed, how large, before which background |
 //! | [`calibrate`] | what an effect costs a model that leaves it out, and the size for a given cost |
 //!
 //! Everything random hangs on the scenario's seed: the same scenario gives the same bytes.
@@ -46,6 +46,7 @@ pub mod flight;
 pub mod free_flight;
 pub mod pilot;
 pub mod plant;
+pub mod proof_case;
 pub mod reading;
 pub mod recording;
 pub mod scenario;
@@ -53,7 +54,6 @@ pub mod seeds;
 pub mod sensors;
 pub mod surroundings;
 pub mod table;
-pub mod trial;
 pub mod vehicle;
 
 pub use air::Air;

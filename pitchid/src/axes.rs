@@ -153,7 +153,9 @@ fn axes_of(path: &Path) -> Vec<Axis> {
 
 /// Reads one axis of a recording as if it were the only one; what the user maps goes first.
 fn recording_of(path: &Path, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
-    let Some(axis) = axis else { return Ok(read(path, options)?) };
+    let Some(axis) = axis.or_else(|| (axes_of(path).contains(&Axis::Pitch)).then_some(Axis::Pitch)) else {
+        return Ok(read(path, options)?);
+    };
     let names = header(path)?;
     let [_, rate, angle] = columns(axis);
     let of = |target: &str, source: &str| ColumnMap {

@@ -146,7 +146,7 @@ fn what_cannot_serve_is_refused_with_the_parameter_to_set() {
     }
     let bench = "betaflight/bf4.2.11_bench_500Hz.bbl";
     assert!(refused(&folder, &["diagnose", bench]).contains("--flight N"));
-    assert!(refused(&folder, &["diagnose", bench, "--flight", "1"]).contains("at rest"));
+    assert!(refused(&folder, &["diagnose", bench, "--flight", "1"]).contains("too short"));
     let late = refused(&folder, &["diagnose", "betaflight/LOG00037.BFL", "--time", "5..9"]);
     assert!(late.contains("from 452.2"), "{late}");
     let unknown = refused(&folder, &["diagnose", "betaflight/LOG00037.BFL", "--column", "q_rad_s=main.gyro"]);
@@ -157,7 +157,6 @@ fn what_cannot_serve_is_refused_with_the_parameter_to_set() {
 fn real_flights_are_diagnosed_humbly() {
     let Some(folder) = logs() else { return };
     for (name, time) in [
-        ("px4/quad_2016_auavx21_flight.ulg", "114..120"),
         ("px4/quad_v1.15.1_fmuv6c_brownout.ulg", "170..185"),
         ("betaflight/LOG00037.BFL", "452..470"),
         ("betaflight/btfl_002.bbl", "30..50"),
@@ -172,6 +171,31 @@ fn real_flights_are_diagnosed_humbly() {
         );
         let notes = answer["notes"].to_string();
         assert!(notes.contains("unit inertia") && notes.contains("the loop is closed"), "{name}: {notes}");
+    }
+}
+
+#[test]
+fn a_log_of_the_controller_alone_is_told_so() {
+    let Some(folder) = logs() else { return };
+    let bench = "betaflight/bf4.2.11_bench_500Hz.bbl";
+    let text = answered(&folder, &["diagnose", bench, "--flight", "2", "--axis", "roll", "--json", "-"]);
+    let answer: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(answer["verdict"], "not_excited");
+    assert!(answer["summary"].as_str().unwrap().contains("controller's answer"), "{}", answer["summary"]);
+}
+
+#[test]
+fn a_flight_compared_with_itself_has_not_lost_its_rotors() {
+    let Some(folder) = logs() else { return };
+    let log = "betaflight/btfl_002.bbl";
+    let text =
+        answered(&folder, &["compare", log, log, "--time", "60..105", "--time", "105..150", "--json", "-"]);
+    let answer: Value = serde_json::from_str(&text).unwrap();
+    for axis in answer["axes"].as_array().unwrap() {
+        for change in axis["changes"].as_array().unwrap() {
+            let of_the_craft = change["quantity"] != "background";
+            assert!(!of_the_craft || change["verdict"] != "changed", "{}: {change}", axis["axis"]);
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! The paper's Table 2 and figures, over many simulated campaigns; public benchmarks in their official split.
 
+pub mod benchmarks;
 mod campaign;
 mod figures;
 pub mod page;
-pub mod published;
 mod study;
 
 pub use campaign::Condition;

@@ -3,9 +3,9 @@
 use estimator_core::constants::{MAX_TAPS, TICK_US};
 use estimator_core::{Command, Cycle, CycleState, Input, Sample, Telemetry};
 use firmware::deadline::{Deadline, Verdict};
-use firmware::failsafe::Cause;
 use firmware::hil::HilTick;
 use firmware::pitch_filter::{Motion, PitchFilter};
+use firmware::reset_record::Cause;
 use heapless::spsc::Producer;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::timer::Flag;

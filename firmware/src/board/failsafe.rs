@@ -6,7 +6,7 @@ use core::panic::PanicInfo;
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
-use firmware::failsafe::{Cause, Record, WATCHDOG_RESET};
+use firmware::reset_record::{Cause, Record, WATCHDOG_RESET};
 use firmware::servo::ServoConfig;
 use stm32f4xx_hal::pac::{EXTI, PWR, RCC, TIM4};
 use stm32f4xx_hal::rcc::Rcc;

@@ -3,10 +3,10 @@
 use core::fmt::Write as _;
 use estimator_core::constants::MAX_TAPS;
 use estimator_core::{Command, Config, Telemetry};
-use firmware::failsafe::Cause;
 use firmware::link::decoder::Decoder;
 use firmware::link::ground::extra_crc;
 use firmware::link::{Action, Ground};
+use firmware::reset_record::Cause;
 use firmware::store::{Settings, Store};
 use heapless::String;
 use heapless::spsc::{Consumer, Producer};

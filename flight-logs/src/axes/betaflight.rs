@@ -101,7 +101,13 @@ fn motors(log: &Log, main: &Topic, axis: Axis) -> Option<Channel> {
 /// Source: <https://betaflight.com/docs/development/Cli> (before 4.3 the sample rate was set by `blackbox_p_ratio`, and
 /// no field could be left out); INAV, `docs/Settings.md`.
 pub(super) fn settings(log: &Log) -> Vec<Setting> {
-    let setting = |parameter, value: &str, effect| Setting { parameter, value: value.to_owned(), effect };
+    // its headers have other names than its commands
+    let setting = |parameter, value: &str, effect| Setting {
+        parameter,
+        value: value.to_owned(),
+        effect,
+        unknown: false,
+    };
     let firmware = log.firmware.as_deref().unwrap_or_default();
     if firmware.starts_with("INAV") {
         return vec![

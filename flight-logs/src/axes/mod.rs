@@ -22,6 +22,9 @@ pub const LEAST_HZ: f64 = 40.0;
 /// craft in flight 0.1 and more.
 pub const LEAST_MOTION_RAD_S: f64 = 0.02;
 
+/// Shorter logs hold a handful of periods at the most, s.
+const LEAST_S: f64 = 4.0;
+
 /// An axis of the body: x forward, y right, z down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
@@ -73,7 +76,24 @@ pub struct Setting {
     /// Its value, as the flight stack takes it.
     pub value: String,
     /// What it does.
-    pub effect: &'static str,
+    effect: &'static str,
+    /// Whether the log lists parameters, and this one not.
+    unknown: bool,
+}
+
+impl Setting {
+    /// Of a log's flight stack.
+    fn new(log: &Log, parameter: &'static str, value: impl Into<String>, effect: &'static str) -> Self {
+        let unknown = !log.parameters.is_empty() && log.parameter(parameter).is_none();
+        Self { parameter, value: value.into(), effect, unknown }
+    }
+
+    /// What it does, and whether the firmware of the log seems to be without it.
+    #[must_use]
+    pub fn effect(&self) -> String {
+        let missing = "; not among this log's parameters: a firmware without it has to be updated first";
+        format!("{}{}", self.effect, if self.unknown { missing } else { "" })
+    }
 }
 
 /// What a log offers for an axis.
@@ -138,11 +158,23 @@ pub fn assess(log: &Log, axis: Axis, channels: Channels) -> Proposal {
         hindrances
             .push(format!("nothing is asked of {axis}: its input never changes; fly, and excite the axis"));
     }
-    if let Some(motion) = motion(&channels.rate)
+    let seconds = channels.rate.as_ref().and_then(|rate| {
+        let time_s = rate.series(log).time_s;
+        Some(time_s.last()? - time_s.first()?)
+    });
+    if let Some(seconds) = seconds.filter(|seconds| *seconds < LEAST_S) {
+        hindrances.push(format!(
+            "{seconds:.1} s are too short: at least {LEAST_S} s are needed, a hundred are good"
+        ));
+    } else if let Some(never) = px4::never_armed(log) {
+        hindrances.push(format!(
+            "the craft was never armed ({never}): its motors stood still; fly, and excite the axis"
+        ));
+    } else if let Some(motion) = motion(&channels.rate)
         && motion < LEAST_MOTION_RAD_S
     {
         hindrances.push(format!(
-            "the craft is at rest: its {axis} rate varies by {motion:.4} rad/s; fly, and excite the axis"
+            "the craft is at rest, or nothing excites it: its {axis} rate varies by {motion:.4} rad/s; fly, and excite the axis"
         ));
     }
     let mut cautions = Vec::new();
@@ -161,7 +193,13 @@ pub fn assess(log: &Log, axis: Axis, channels: Channels) -> Proposal {
             hindrances.push(
                 "telemetry by radio is too slow: take the log that the autopilot keeps on board".into(),
             );
-            Vec::new()
+            if log.parameter("LOG_BITMASK").is_some() {
+                ardupilot::settings(log)
+            } else if log.parameter("SDLOG_PROFILE").is_some() {
+                px4::settings(log)
+            } else {
+                Vec::new()
+            }
         }
     };
     Proposal { axis, channels, hindrances, cautions, settings }

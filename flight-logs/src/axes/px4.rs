@@ -96,24 +96,35 @@ pub(super) fn settings(log: &Log) -> Vec<Setting> {
     const DEFAULT_TOPICS: u32 = 1 << 0;
     const SYSTEM_IDENTIFICATION: u32 = 1 << 3;
     let now = log.parameter("SDLOG_PROFILE").filter(|mask| (0.0..4e9).contains(mask)).unwrap_or(0.0);
-    let mut settings = vec![Setting {
-        parameter: "SDLOG_PROFILE",
-        value: (now as u32 | DEFAULT_TOPICS | SYSTEM_IDENTIFICATION).to_string(),
-        effect: "bit 3: gyro, torque set-point and motors at full rate, beside the default topics; restart after",
-    }];
+    let profile = (now as u32 | DEFAULT_TOPICS | SYSTEM_IDENTIFICATION).to_string();
+    let mut settings = vec![Setting::new(
+        log,
+        "SDLOG_PROFILE",
+        profile,
+        "bit 3: gyro, torque set-point and motors at full rate, beside the default topics; restart after",
+    )];
     if log.parameter("SDLOG_MODE").is_none_or(|mode| mode != 0.0) {
-        settings.push(Setting {
-            parameter: "SDLOG_MODE",
-            value: "0".to_owned(),
-            effect: "log from arming to disarming",
-        });
+        settings.push(Setting::new(log, "SDLOG_MODE", "0", "log from arming to disarming"));
     }
     if log.parameter("IMU_GYRO_RATEMAX").is_none_or(|rate| rate < 400.0) {
-        settings.push(Setting {
-            parameter: "IMU_GYRO_RATEMAX",
-            value: "400".to_owned(),
-            effect: "rate loop, and its topics, at 400 Hz (1.11 and later)",
-        });
+        let effect = "rate loop, and its topics, at 400 Hz (1.11 and later)";
+        settings.push(Setting::new(log, "IMU_GYRO_RATEMAX", "400", effect));
     }
     settings
+}
+
+/// The field that says that the craft was armed in none of its rows, where the outputs to the motors, if logged, never change.
+pub(super) fn never_armed(log: &Log) -> Option<&'static str> {
+    const ARMED: f64 = 2.0;
+    let largest = |topic: &str, field: &str| {
+        let topic = richest(log, topic)?;
+        let field = topic.fields.iter().find(|known| known.name == field)?;
+        field.values.iter().copied().reduce(f64::max)
+    };
+    let never = largest("vehicle_status", "arming_state")? < ARMED;
+    let turns = richest(log, "actuator_outputs").is_some_and(|topic| {
+        let outputs = topic.fields.iter().filter(|field| field.name.starts_with("output["));
+        outputs.into_iter().any(|field| field.values.windows(2).any(|pair| pair[0] != pair[1]))
+    });
+    (never && !turns).then_some("vehicle_status.arming_state")
 }

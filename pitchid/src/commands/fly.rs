@@ -1,6 +1,6 @@
 //! `pitchid fly`: runs the experiment on a board.
 
-use super::line::Line;
+use super::board_arguments::Line;
 use crate::board::taps::TapsFile;
 use crate::board::{CycleReport, Heard, Log, Phase, Station, Stop};
 use crate::failure::Failure;

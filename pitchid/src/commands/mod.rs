@@ -1,12 +1,12 @@
 //! What can be asked for. Each subcommand reads its arguments, calls the libraries and shows what they answer.
 
+mod board_arguments;
 mod compare;
 mod convert;
 mod demo;
 mod diagnose;
 mod fly;
 mod identify;
-mod line;
 mod prove;
 mod reading;
 mod record;

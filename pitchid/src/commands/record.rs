@@ -1,6 +1,6 @@
 //! `pitchid record`: writes what a board reports, as it comes.
 
-use super::line::Line;
+use super::board_arguments::Line;
 use crate::board::{CycleReport, Heard, Log, Stop};
 use crate::failure::Failure;
 use crate::output;

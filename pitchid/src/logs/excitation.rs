@@ -24,8 +24,8 @@ pub struct Span {
     pub time_s: [f64; 2],
     /// Standard deviation of the input.
     pub input_deviation: f64,
-    /// Standard deviation of the rate, rad/s.
-    pub rate_deviation: f64,
+    /// Standard deviation of the rate, rad/s, where it is known.
+    pub rate_deviation: Option<f64>,
     /// Below its ends lie 10 % and 90 % of the input's power, rad/s; `None` where the span is too short to tell.
     pub band_rad_s: Option<[f64; 2]>,
 }
@@ -55,7 +55,7 @@ pub fn spans(input: &Series, rate: Option<&Series>) -> Vec<Span> {
     let span = |time_s: [f64; 2]| Span {
         time_s,
         input_deviation: deviation(input, time_s),
-        rate_deviation: rate.map_or(0.0, |rate| deviation(rate, time_s)),
+        rate_deviation: rate.map(|rate| deviation(rate, time_s)),
         band_rad_s: band(input, time_s),
     };
     found.into_iter().map(span).collect()

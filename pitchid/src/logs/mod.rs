@@ -52,6 +52,9 @@ impl FromStr for TimeSpan {
     fn from_str(text: &str) -> Result<Self, String> {
         let span = format!("all={text}").parse::<SectionSpec>();
         let span = span.map_err(|_| "write FROM..TO in seconds, e.g. 31.5..62".to_owned())?;
+        if span.from >= span.to {
+            return Err("FROM has to be before TO".to_owned());
+        }
         Ok(Self { from: span.from, to: span.to })
     }
 }
@@ -60,10 +63,12 @@ impl FromStr for TimeSpan {
 pub struct Flight {
     /// The file, with the flight's number where there are several.
     pub name: String,
-    /// The file, or the first of those that make the log.
-    pub path: PathBuf,
+    /// The files that make the log.
+    pub paths: Vec<PathBuf>,
     /// Counted from 1.
     pub number: usize,
+    /// Whether the log holds others.
+    pub one_of_several: bool,
     /// What was logged.
     pub log: Log,
 }
@@ -110,11 +115,12 @@ fn flights(paths: &[&Path]) -> Result<Vec<Flight>, Failure> {
     let logs = flight_logs::read(paths)?;
     let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
     let (name, several) = (names.join(" and "), logs.len() > 1);
-    let path = paths.first().map(|path| path.to_path_buf()).unwrap_or_default();
+    let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
     let flights = logs.into_iter().zip(1..).map(|(log, number)| Flight {
         name: if several { format!("{name}, flight {number}") } else { name.clone() },
-        path: path.clone(),
+        paths: paths.clone(),
         number,
+        one_of_several: several,
         log,
     });
     Ok(flights.collect())
@@ -123,7 +129,7 @@ fn flights(paths: &[&Path]) -> Result<Vec<Flight>, Failure> {
 /// The one flight that is meant; `number` counts from 1.
 pub fn choose(mut flights: Vec<Flight>, number: Option<usize>) -> Result<Flight, Failure> {
     let listed: Vec<String> = flights.iter().map(described).collect();
-    let file = flights.first().map(|flight| flight.path.display().to_string()).unwrap_or_default();
+    let file = flights.first().map(Flight::files).unwrap_or_default();
     let choice = match number {
         None if flights.len() == 1 => 0,
         None => {
@@ -139,7 +145,19 @@ pub fn choose(mut flights: Vec<Flight>, number: Option<usize>) -> Result<Flight,
     Ok(flights.swap_remove(choice))
 }
 
+/// A path as an argument of a shell.
+pub fn quoted(path: &Path) -> String {
+    let name = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+,:@%=\\".contains(c);
+    if name.chars().all(plain) { name } else { format!("'{}'", name.replace('\'', "'\\''")) }
+}
+
 impl Flight {
+    /// Its files as arguments of a command.
+    pub fn files(&self) -> String {
+        self.paths.iter().map(|path| quoted(path)).collect::<Vec<String>>().join(" ")
+    }
+
     /// Leaves of the log what lies in `span`.
     pub fn cut(&mut self, span: Option<&TimeSpan>) -> Result<(), Failure> {
         let (Some(TimeSpan { from, to }), Some([first, last])) = (span, self.log.span_s()) else {

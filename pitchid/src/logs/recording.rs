@@ -183,13 +183,17 @@ pub fn recording(flight: &Flight, axis: Axis, options: &ReadOptions) -> Result<R
     notes.extend(aligned.notes);
     notes.extend(proposal.cautions.iter().chain(&log.notes).cloned());
     let mut recording = from_signals(&flight.name, aligned.t, signals, options)?;
+    if !(u.by_hand || q.by_hand || theta.by_hand) {
+        // the format says the units
+        recording.notes.retain(|note| note.kind != NoteKind::Unit);
+    }
     let notes = notes.into_iter().map(|text| Note { kind: NoteKind::Converted, time_s: None, text });
     recording.notes.splice(0..0, notes);
     Ok(recording)
 }
 
 fn refusal(flight: &Flight, proposal: &Proposal) -> Failure {
-    let file = flight.path.display();
+    let file = flight.files();
     let found = format!(
         "{}: cannot serve to identify {}: {}",
         flight.name,
@@ -205,7 +209,7 @@ fn refusal(flight: &Flight, proposal: &Proposal) -> Failure {
 
 /// Parameters with their values, and what each does.
 fn settings(settings: &[Setting]) -> String {
-    let words = settings.iter().map(|s| format!("{} = {} ({})", s.parameter, s.value, s.effect));
+    let words = settings.iter().map(|s| format!("{} = {} ({})", s.parameter, s.value, s.effect()));
     words.collect::<Vec<_>>().join(", ")
 }
 

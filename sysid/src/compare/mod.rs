@@ -2,21 +2,22 @@
 //!
 //! On either side the grey box is fitted by maximum likelihood in innovations form, which feedback does not bend, with a
 //! constant moment and a first-order lag of the servo beside plant, delay and coloured background. Each quantity is then a
-//! function of the unknowns, with a deviation that is the largest of three: that of the information, that of the scores of
-//! blocks of 3 s, and that of a jackknife over spans of the recording (see [`side`]). The difference is judged as
+//! function of the unknowns, with a deviation that is the largest of that of the information, that of the scores of
+//! blocks of 3 s, and that of a jackknife over spans of the recording (see [`side`]), and for the response to the input of a fourth,
+//! between parts fitted afresh (see [`parts`]). The difference is judged as
 //! [`statistics`] says, all quantities of one comparison together at one level.
 //!
 //! The predictor sees ∂M/∂u and ∂M/∂q relative to the inertia alone: a heavier craft looks like weaker rotors with less
 //! damping, and no recording of the same loop tells the two apart.
 
+pub mod parts;
 pub mod side;
 pub mod statistics;
 
 use crate::dataset::Dataset;
 use crate::error::Error;
 use crate::estimate::Estimate;
-use crate::likelihood::problem::Problem;
-use crate::model::baseline::{ASSUMED, Baseline};
+use crate::model::baseline::ASSUMED;
 use crate::model::file::ModelFile;
 use crate::recording::Recording;
 use serde::Serialize;
@@ -39,6 +40,13 @@ pub enum Quantity {
     Friction,
     /// Standard deviation of the background moment; the air's, not the craft's.
     Background,
+}
+
+impl Quantity {
+    /// Whether it belongs to the response to the input, which a closed loop can turn into the controller's.
+    fn is_response(self) -> bool {
+        matches!(self, Self::Effectiveness | Self::Damping | Self::LagAndDelay)
+    }
 }
 
 /// One quantity on both sides.
@@ -121,23 +129,41 @@ pub fn compare(
     let mut found = Vec::with_capacity(2);
     for (recordings, (name, _)) in recordings.iter().zip(sides) {
         progress(&format!("fitting {name}"));
-        let mut data = Dataset::new(recordings)?;
-        notes.extend(data.notes(recordings).into_iter().map(|note| format!("{name}: {note}")));
-        let mean = side::take_mean(&mut data);
-        let baseline = Baseline { delay_free: true, ..Baseline::new(model, &data)? };
-        let problem = Problem::new(&data, &baseline, &[]);
-        found.push(Side::new(&problem, mean, friction)?);
+        let mut noticed = Vec::new();
+        found.push(Side::new(recordings, model, friction, &mut noticed)?);
+        notes.extend(noticed.into_iter().map(|note| format!("{name}: {note}")));
     }
     let inertia_known = model.is_some();
     if !inertia_known {
         notes.push(ASSUMED.into());
     }
     let [before, after] = [&found[0], &found[1]];
+    let gain = |side: &Side| {
+        side.quantities
+            .iter()
+            .find(|q| q.quantity == Quantity::Effectiveness)
+            .map_or(0.0, |q| q.measured.value)
+    };
+    let turned = gain(before) * gain(after) < 0.0;
+    if turned {
+        notes.push(
+            "dM/du has another sign after than before: where the loop is closed that is the controller's answer to the motion, \
+             not the craft's to the input; excite the axis in flight, and compare those stretches"
+                .into(),
+        );
+    }
     let compared: Vec<(Quantity, [statistics::Measured; 2], f64)> = before
         .quantities
         .iter()
         .zip(&after.quantities)
-        .map(|(b, a)| (b.quantity, [b.measured, a.measured], 0.5 * (b.usual + a.usual)))
+        .map(|(b, a)| {
+            let pair = if turned && b.quantity.is_response() {
+                [b, a].map(|found| statistics::Measured { deviation: f64::INFINITY, ..found.measured })
+            } else {
+                [b.measured, a.measured]
+            };
+            (b.quantity, pair, 0.5 * (b.usual + a.usual))
+        })
         .collect();
     let judged = judge(&compared.iter().map(|(_, pair, usual)| (*pair, *usual)).collect::<Vec<_>>());
     let changes = compared.into_iter().zip(judged).zip(&before.quantities).map(

@@ -12,9 +12,11 @@
 //! (G−1)/G Σ_g (f_g − f̄)²,   f_g without the g-th of G spans of equal length (Tukey's jackknife; G−1 degrees of freedom)
 //! ```
 //!
-//! The largest is taken: what drifts slowly within a recording, as trim does in wind, shows between the spans alone.
+//! The largest is taken: what drifts slowly within a recording, as trim does in wind, shows between the spans alone. For the
+//! response to the input there is a fourth, the standard error of the mean of parts fitted afresh (see [`super::parts`]).
 
 use super::Quantity;
+use super::parts::{Response, responses};
 use super::statistics::Measured;
 use crate::catalogue::find;
 use crate::dataset::{Dataset, Place};
@@ -23,7 +25,9 @@ use crate::estimate::Estimate;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::{Fit, fit_baseline, refit, settled};
 use crate::likelihood::problem::Problem;
+use crate::model::baseline::Baseline;
 use crate::model::effect::Effect;
+use crate::model::file::ModelFile;
 use crate::recording::{InputUnit, Recording};
 use std::ops::Range;
 
@@ -128,11 +132,21 @@ pub fn take_mean(data: &mut Dataset) -> f64 {
 }
 
 impl Side {
-    /// Fits a data set whose input had the mean `mean`.
+    /// Fits `recordings`, starting from `model`, with dry friction where that is asked for; `notes` are added to what is noticed.
     ///
     /// # Errors
-    /// No finite likelihood.
-    pub fn new(problem: &Problem<'_>, mean: f64, friction: bool) -> Result<Self, Error> {
+    /// Recordings that do not go together, or no finite likelihood.
+    pub fn new(
+        recordings: &[Recording],
+        model: Option<&ModelFile>,
+        friction: bool,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, Error> {
+        let mut data = Dataset::new(recordings)?;
+        notes.extend(data.notes(recordings));
+        let mean = take_mean(&mut data);
+        let baseline = Baseline { delay_free: true, ..Baseline::new(model, &data)? };
+        let problem = &Problem::new(&data, &baseline, &[]);
         let refuse = || {
             let found = "the model has no finite likelihood on these data";
             let advice = "check that the craft moves, and the units of the columns";
@@ -148,7 +162,14 @@ impl Side {
             parameters.map(|((c, &value), d)| Estimate::new(&c.name, &c.unit, value, d, c.bounds)).collect();
         let seconds = problem.data.runs.iter().map(|run| run.len() as f64 * run.step).sum();
         Ok(Self {
-            quantities: quantities(problem, &fit, (&information, &spans), mean, friction),
+            quantities: quantities(
+                problem,
+                &fit,
+                (&information, &spans),
+                &responses(recordings, model),
+                mean,
+                friction,
+            ),
             parameters,
             seconds,
         })
@@ -156,7 +177,7 @@ impl Side {
 }
 
 /// The baseline with a constant moment, a lag and, where asked, friction.
-fn fitted(problem: &Problem<'_>, friction: bool) -> Option<Fit> {
+pub fn fitted(problem: &Problem<'_>, friction: bool) -> Option<Fit> {
     let plain = fit_baseline(problem)?;
     let wanted = ["trim_offset", "servo_lag"].into_iter().chain(friction.then_some("coulomb_friction"));
     let known = |id: &str| problem.baseline.terms.iter().any(|term| term.effect.about().id == id);
@@ -213,16 +234,28 @@ fn place(problem: &Problem<'_>, fit: &Fit, id: &str) -> Option<usize> {
     fit.range_of(problem, id).map(|range| range.start)
 }
 
+/// Places of ∂M/∂q, ∂M/∂u and the delay among the unknowns.
+const DAMPING: usize = 0;
+const GAIN: usize = 1;
+const DELAY: usize = 2;
+
+impl Response {
+    /// That of a fit.
+    pub fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
+        let values = &fit.minimum.values;
+        let lag = place(problem, fit, "servo_lag").map_or(0.0, |lag| values[lag]);
+        Self { gain: values[GAIN], damping: values[DAMPING], late: values[DELAY] + lag }
+    }
+}
+
 fn quantities(
     problem: &Problem<'_>,
     fit: &Fit,
     (information, spans): (&Information, &[Vec<Place>]),
+    parts: &[Response],
     mean: f64,
     friction: bool,
 ) -> Vec<Found> {
-    const DAMPING: usize = 0;
-    const GAIN: usize = 1;
-    const DELAY: usize = 2;
     let (values, sizes) = (&fit.minimum.values, &problem.sizes);
     let moment = if problem.baseline.plant.inertia == 1.0 { "rad/s²" } else { "N m" };
     let per = |unit: &str| if unit == "1" { moment.to_owned() } else { format!("{moment}/{unit}") };
@@ -251,13 +284,15 @@ fn quantities(
             }
         }
     }
-    let gain = measured(&|v| v[GAIN]);
+    let by_parts = |of: fn(&Response) -> f64| parts.iter().map(of).collect::<Vec<f64>>();
+    let gain = measured(&|v| v[GAIN]).or_spread(&by_parts(|part| part.gain));
     add(Quantity::Effectiveness, "dM_du", &per(input.symbol()), gain, USUAL_EFFECTIVENESS * gain.value.abs());
-    let damping = measured(&|v| v[DAMPING]);
+    let damping = measured(&|v| v[DAMPING]).or_spread(&by_parts(|part| part.damping));
     let unit = if moment == "N m" { "N m s/rad" } else { "1/s" };
     add(Quantity::Damping, "dM_dq", unit, damping, USUAL_DAMPING * damping.value.abs());
     let lag = place(problem, fit, "servo_lag");
     let late = measured(&|v| v[DELAY] + lag.map_or(0.0, |lag| v[lag]));
+    let late = late.or_spread(&by_parts(|part| part.late));
     add(Quantity::LagAndDelay, "lag_and_delay", "s", late, USUAL_LAG * late.value.max(sizes.step));
     if let Some(mc) = place(problem, fit, "coulomb_friction").filter(|_| friction) {
         add(

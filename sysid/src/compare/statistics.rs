@@ -55,6 +55,16 @@ impl Measured {
         Self { value: other.value - self.value, deviation: (b + a).sqrt(), freedom }
     }
 
+    /// With the standard error of the mean of `parts` where that is more.
+    #[must_use]
+    pub fn or_spread(self, parts: &[f64]) -> Self {
+        let count = parts.len() as f64;
+        let mean = parts.iter().sum::<f64>() / count;
+        let spread = parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>();
+        let deviation = (spread / (count * (count - 1.0))).sqrt();
+        if deviation > self.deviation { Self { deviation, freedom: count - 1.0, ..self } } else { self }
+    }
+
     /// With its 95 % interval.
     #[must_use]
     pub fn estimate(&self, name: &str, unit: &str) -> Estimate {

@@ -4,11 +4,11 @@ use super::data_checks::is_of_the_controller;
 use super::diagnose::{Diagnosis, diagnose, diagnose_knowing};
 use super::excitation::{too_little, too_weak};
 use super::levels::PARTS;
+use super::parts::parts;
 use super::shared::{Asked, SharedTerm, shared};
 use crate::catalogue::{CATALOGUE, find};
 use crate::dataset::Dataset;
 use crate::error::Error;
-use crate::held_out::parts;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::{Fit, fit_baseline};
 use crate::likelihood::problem::Problem;
@@ -84,7 +84,8 @@ pub fn shared_by(axes: &[AxisRecordings]) -> Result<Option<SharedTerm>, Error> {
     Ok(if asked.len() > 1 { shared(&asked) } else { None })
 }
 
-/// The baseline of an axis that its input moves, and its fit; `None` where the data cannot tell what the input does.
+/// The baseline of an axis that its input moves, and its fit; `None` where the data cannot tell what the input does: it changes
+/// too little, or a controller turns it with the motion and nothing else does.
 fn excited(axis: &AxisRecordings, data: &Dataset, baseline: &Baseline) -> Option<(Baseline, Fit)> {
     let free = Problem::new(data, baseline, &[]);
     if !data.input_changes() || too_little(&free).is_some() {
@@ -95,6 +96,9 @@ fn excited(axis: &AxisRecordings, data: &Dataset, baseline: &Baseline) -> Option
     let baseline = Baseline { input_first, ..baseline.clone() };
     let problem = Problem::new(data, &baseline, &[]);
     let fit = if input_first { fit_baseline(&problem)? } else { fit };
+    if input_first && problem.unpack(&fit.effects, &fit.minimum.values).plant.delay <= problem.earliest() {
+        return None;
+    }
     let places: Vec<_> = parts(data, PARTS).into_iter().map(|part| part.places).collect();
     let information = Information::new(&problem, &fit, &places)?;
     too_weak(&problem, &fit, &information).is_none().then_some((baseline, fit))

@@ -1,9 +1,8 @@
 //! A judgement as an answer.
 
-use super::adequacy::Test;
 use super::answer::{
-    Alternative, Answer, EffectAnswer, Evidence, FailedTest, FitAnswer, HeldOutAnswer, KnownAnswer, Location,
-    ModelAnswer, Remainder, VafAnswer, Verdict, WithError,
+    Alternative, Answer, EffectAnswer, Evidence, FitAnswer, HeldOutAnswer, KnownAnswer, Location,
+    ModelAnswer, VafAnswer, Verdict, WithError,
 };
 use super::ceiling::ceilings;
 use super::component::{Component, components};
@@ -11,27 +10,24 @@ use super::describe;
 use super::diagnose::Diagnosis;
 use super::estimates::estimates;
 use super::experiment;
-use super::formula::Formula;
 use super::gust::Gust;
 use super::judgement::Judgement;
 use super::locate::{band, dependences, time_windows};
 use super::over_time::{OverTime, residual_moments};
+use super::parts::Part;
 use super::posterior::{Finding, Visited};
 use super::rotation::{Scores, scores};
+use super::shape_in_words::Formula;
 use super::traces::traces;
 use crate::catalogue::find;
 use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::scaled_shape::UNLISTED;
 use crate::catalogue::shapes::SHAPES;
 use crate::estimate::Estimate;
-use crate::held_out::Part;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::{About, Effect, Locus};
 use crate::model::file::EffectEntry;
 use std::collections::BTreeMap;
-
-/// Failed tests that are told in words, those with the least p-value; the others by name.
-const TESTS_IN_WORDS: usize = 2;
 
 /// Keys of the horizons in the answer, in the order of [`super::levels::HORIZONS_S`].
 const HORIZONS: [&str; 3] = ["0.1", "0.3", "1.0"];
@@ -134,7 +130,7 @@ impl Judgement<'_, '_> {
     }
 
     /// Estimates of the parameters of the effect called `id`.
-    fn own(&self, fit: &FitAnswer, id: &str) -> Vec<Estimate> {
+    pub(super) fn own(&self, fit: &FitAnswer, id: &str) -> Vec<Estimate> {
         let extended = self.extended();
         let Some(range) = extended.range_of(self.problem, id) else { return Vec::new() };
         // The answer's list has no noise model.
@@ -226,7 +222,7 @@ impl Judgement<'_, '_> {
     }
 
     /// A term without a name in a sentence.
-    fn formula(&self, finding: &Finding) -> String {
+    pub(super) fn formula(&self, finding: &Finding) -> String {
         let Visited { fit, information, .. } = &self.selection.visited[self.place];
         let id = finding.effect.about().id;
         let known = SHAPES.iter().find(|shape| shape.about().id == id).zip(fit.range_of(self.problem, id));
@@ -251,36 +247,6 @@ impl Judgement<'_, '_> {
             Some((part.label.clone(), values.into_iter().map(WithError::from).collect()))
         };
         self.parts.iter().enumerate().filter_map(alone).collect()
-    }
-
-    fn remainder(&self, fit: &FitAnswer) -> Option<Remainder> {
-        // Where no name explains the data, the shapes are the answer and not what is left beside it.
-        let shapes = if self.verdict == Verdict::Unlisted { &[][..] } else { &self.shapes };
-        let failed: Vec<&Test> = self.failed.iter().filter(|test| test.of_physics).collect();
-        if shapes.is_empty() && self.small.is_empty() && failed.is_empty() {
-            return None;
-        }
-        let abouts = self.small.iter().chain(shapes).map(|f| f.effect.about());
-        let of = self.rotation.parts.len();
-        let small = |f: &Finding| {
-            let id = f.effect.about().id;
-            let chosen = self.rotation.gain(id).map_or(0, |gain| gain.chosen);
-            format!("{} ({id}, chosen in {chosen} of {of} rotations)", f.effect.about().sentence)
-        };
-        let mut words: Vec<String> = self.small.iter().map(small).collect();
-        words.extend(shapes.iter().map(|f| f.effect.about().sentence.to_owned()));
-        words.extend(failed.iter().take(TESTS_IN_WORDS).map(|test| test.words.clone()));
-        Some(Remainder {
-            words: words.join("; "),
-            variable: abouts.clone().next().map_or("none", |about| about.variable).into(),
-            equation: {
-                let small = self.small.iter().map(|f| f.effect.about().equation.to_owned());
-                small.chain(shapes.iter().map(|f| self.formula(f))).collect::<Vec<_>>().join("; ")
-            },
-            parameters: abouts.flat_map(|about| self.own(fit, about.id)).collect(),
-            share: 1.0 - self.grounds.share_of_names(),
-            tests: failed.iter().map(|t| FailedTest { name: t.name, p_value: t.p_value }).collect(),
-        })
     }
 
     /// What the tests say of the background: facts about the day.

@@ -1,8 +1,8 @@
 //! What an unstructured linear model reaches: one class, chosen by the same rotation as the models, the same in every run
 //! on the same data.
 
+use super::parts::Part;
 use crate::dataset::Place;
-use crate::held_out::Part;
 use crate::identify::fir::{FirOptions, Piece, ceiling_vaf, fit};
 use crate::likelihood::free_run::judged;
 use crate::likelihood::problem::Problem;

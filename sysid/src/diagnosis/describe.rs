@@ -1,9 +1,9 @@
 //! Every sentence of the answer that a person reads.
 
-use super::answer::{Answer, EffectAnswer, HeldOutAnswer, Verdict};
+use super::answer::{Answer, EffectAnswer, HeldOutAnswer, VafAnswer, Verdict};
+use super::levels::SEEN_IN_A_LOOP;
 use crate::catalogue::find;
 use crate::estimate::{Estimate, digits};
-use std::collections::BTreeMap;
 
 /// One to three sentences with numbers and units.
 pub fn summary(answer: &Answer) -> String {
@@ -23,7 +23,12 @@ pub fn summary(answer: &Answer) -> String {
                 (true, None) => String::new(),
             };
             let head = "Physics is missing, and nothing in the catalogue explains it";
-            format!("{head}: {}. {seen}", figures(answer, !answer.effects.is_empty()))
+            let humble = if predicts(answer) {
+                ""
+            } else {
+                " Even with that, more than half of the motion is not predicted: design nothing on these values."
+            };
+            format!("{head}: {}. {seen}{humble}", figures(answer, !answer.effects.is_empty()))
         }
         Verdict::Named | Verdict::Ambiguous => {
             let found: Vec<String> = answer.effects.iter().map(in_a_phrase).collect();
@@ -78,17 +83,29 @@ fn off_in_model(answer: &Answer) -> String {
     text
 }
 
+/// Whether the answer's model tells at least half of the motion of parts held out, 1 s ahead or in the free run.
+fn predicts(answer: &Answer) -> bool {
+    let mean = |horizon: Option<&str>| mean_vaf(answer, &|h| &h.extended, horizon);
+    mean(Some("1.0")).max(mean(None)) >= SEEN_IN_A_LOOP
+}
+
+/// Mean VAF over the parts held out, `horizon` s ahead or of the free run, per cent.
+fn mean_vaf(answer: &Answer, of: &dyn Fn(&HeldOutAnswer) -> &VafAnswer, horizon: Option<&str>) -> f64 {
+    let held = &answer.fit.held_out;
+    let vaf = |part: &VafAnswer| match horizon {
+        Some(key) => part.horizons.get(key).map_or(0.0, |vaf| vaf.value),
+        None => part.free_run,
+    };
+    held.values().map(|h| vaf(of(h))).sum::<f64>() / held.len().max(1) as f64
+}
+
 /// "free-run VAF on held-out data 35.8 % before, 67.1 % after" — of predictions 1 s ahead where no free run is fair.
 fn figures(answer: &Answer, after: bool) -> String {
-    let held = &answer.fit.held_out;
     let mean =
-        |of: &dyn Fn(&HeldOutAnswer) -> f64| held.values().map(of).sum::<f64>() / held.len().max(1) as f64;
-    let (before, later) = (mean(&|h| h.baseline.free_run), mean(&|h| h.extended.free_run));
-    let ahead = |which: &dyn Fn(&HeldOutAnswer) -> &BTreeMap<&'static str, super::answer::WithError>| {
-        mean(&|h| which(h).get("1.0").map_or(0.0, |vaf| vaf.value))
-    };
-    let (near, near_after) = (ahead(&|h| &h.baseline.horizons), ahead(&|h| &h.extended.horizons));
-    let sections = if held.len() == 1 { "the section held out" } else { "sections held out in turn" };
+        |horizon| [mean_vaf(answer, &|h| &h.baseline, horizon), mean_vaf(answer, &|h| &h.extended, horizon)];
+    let ([near, near_after], [before, later]) = (mean(Some("1.0")), mean(None));
+    let sections =
+        if answer.fit.held_out.len() == 1 { "the section held out" } else { "sections held out in turn" };
     if after {
         format!(
             "VAF on {sections}: 1 s ahead {near:.1} % before and {near_after:.1} % after, free run {before:.1} % and {later:.1} %"

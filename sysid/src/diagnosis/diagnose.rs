@@ -9,13 +9,13 @@ use super::excitation;
 use super::judgement::Judgement;
 use super::levels::PARTS;
 use super::over_time::OverTime;
+use super::parts::{Part, parts};
 use super::posterior::Visited;
 use super::selection::select;
 use super::traces::Trace;
 use crate::catalogue::CATALOGUE;
 use crate::dataset::Dataset;
 use crate::error::{Error, ErrorKind};
-use crate::held_out::{Part, parts};
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::fit_baseline;
 use crate::likelihood::problem::Problem;
@@ -166,6 +166,17 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         return input_first();
     }
     let loops = Loops::new(recordings, &problem, extended);
+    if baseline.input_first
+        && loops.all_closed()
+        && problem.unpack(&extended.effects, &extended.minimum.values).plant.delay <= problem.earliest()
+    {
+        let reason = "The data cannot tell: the loop is closed, and with the input first the motion still follows without any delay. That \
+                      is the controller's answer to the motion, not the craft's to the input: nothing else moves the input. Excite the axis, \
+                      or move its set-point."
+            .to_owned();
+        checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));
+        return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks);
+    }
     checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));
     if data_checks::stop(&checks) {
         let location = data_checks::everywhere(&checks, data);

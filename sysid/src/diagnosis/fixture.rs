@@ -1,10 +1,10 @@
 //! Flights with physics that the test flight's model lacks, and selections made by hand over them.
 
 use super::data_checks::fixture::{Flight, GAIN, STEP, fitted, flight, model, normal};
+use super::parts::Part;
 use super::posterior::{Selection, Visited};
 use crate::catalogue::find;
 use crate::dataset::Place;
-use crate::held_out::Part;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::{Fit, refit};
 use crate::likelihood::problem::Problem;

@@ -1,21 +1,22 @@
 //! A gust: a disturbance that is more than the ordinary background.
 //!
 //! Background is a band-passed moment: it has no power at rest. A gust, T ẇ = −w + noise, has most of its power at low
-//! frequencies. Both are fitted side by side, and it is a gust if the likelihood needs it beside a band-passed background,
-//! or if both moments together have more power at low frequencies than any background has.
+//! frequencies. Both are fitted side by side, and it is a gust if both moments together have more power at low frequencies than
+//! backgrounds have, and the likelihood needs it beside a band-passed one, or there is more than any background has. A
+//! background of another colour, or of a strength that wanders, is a fact about the day, and no gust.
 
-use super::levels::{FURTHER_TERM, NAMED};
 use super::posterior::chance;
+use super::prior::{FURTHER_TERM, NAMED};
 use crate::catalogue::CATALOGUE;
 use crate::catalogue::roll_off::RollOff;
 use crate::catalogue::slow_moment::SlowMoment;
 use crate::estimate::Estimate;
+use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::{FINISH, Fit};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::model::noise::{Disturbance, Third};
-use crate::optim::levenberg_marquardt::{Coordinate, covariance, minimize};
-use nalgebra::{DMatrix, DVector};
+use crate::optim::levenberg_marquardt::{Coordinate, minimize};
 use rayon::prelude::*;
 
 /// Bands that tell a gust from the background, rad/s.
@@ -81,16 +82,20 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     if !slow || sigma < MILD * problem.sizes.moment {
         return None;
     }
-    let covariance = covariance_of(problem, &fit)?;
-    let deviation = |i: usize| covariance[(i, i)].max(0.0).sqrt() / fit.minimum.values[i];
+    let information = Information::with(problem, &fit, band_passed(problem, &fit.effects), &[])?;
+    let deviations = information.deviations(&fit.minimum.values);
+    let deviation = |i: usize| deviations[i] / fit.minimum.values[i];
     let (log_sigma, log_time) = (deviation(own.start), deviation(own.start + 1));
 
-    let gain = background.criterion() - fit.criterion();
+    let gain = (background.criterion() - fit.criterion()) / information.divisor(own.clone());
     let penalty = own.len() as f64 * (problem.count() as f64).ln();
     let by_likelihood = 0.5 * (gain - penalty) + (FURTHER_TERM * NAMED / CATALOGUE.len() as f64).ln();
     let ratio = log_ratio(&problem.unpack(&fit.effects, &fit.minimum.values).disturbance);
-    let score = (ratio - BACKGROUND_RATIO.ln()) / error_of_ratio(problem, &fit, &covariance);
-    let by_ratio = ratio > LEAST_RATIO.ln() && score > LEAST_SCORE && log_sigma <= WIDEST;
+    let score = (ratio - BACKGROUND_RATIO.ln()) / error_of_ratio(problem, &fit, &information);
+    if log_sigma > WIDEST || ratio < BACKGROUND_RATIO.ln() {
+        return None;
+    }
+    let by_ratio = ratio > LEAST_RATIO.ln() && score > LEAST_SCORE;
     let (log_evidence, p_value) = if by_likelihood > 0.0 {
         (by_likelihood, chance(gain, own.len()))
     } else if by_ratio {
@@ -192,14 +197,8 @@ fn mean_power(disturbance: &Disturbance, band: [f64; 2]) -> f64 {
     (0..POINTS).map(|i| disturbance.spectrum(at(i))).sum::<f64>() / POINTS as f64
 }
 
-fn covariance_of(problem: &Problem<'_>, fit: &Fit) -> Option<DMatrix<f64>> {
-    let residuals = |v: &[f64]| problem.prediction_errors(&fit.effects, v);
-    let coordinates = band_passed(problem, &fit.effects);
-    covariance(&residuals, problem.channels(), &coordinates, &fit.minimum.values, 0)
-}
-
 /// Standard error of ln of the ratio.
-fn error_of_ratio(problem: &Problem<'_>, fit: &Fit, covariance: &DMatrix<f64>) -> f64 {
+fn error_of_ratio(problem: &Problem<'_>, fit: &Fit, information: &Information) -> f64 {
     let values = &fit.minimum.values;
     let described = |v: &[f64]| log_ratio(&problem.unpack(&fit.effects, v).disturbance);
     let at = described(values);
@@ -209,8 +208,8 @@ fn error_of_ratio(problem: &Problem<'_>, fit: &Fit, covariance: &DMatrix<f64>) -
         moved[i] += h;
         if h == 0.0 { 0.0 } else { (described(&moved) - at) / h }
     };
-    let slopes = DVector::from_iterator(values.len(), (0..values.len()).map(slope));
-    slopes.dot(&(covariance * &slopes)).max(0.0).sqrt()
+    let gradient: Vec<f64> = (0..values.len()).map(slope).collect();
+    information.deviation_along(values, &gradient)
 }
 
 /// Standard deviation of the first channel's white noise: that of its innovations, less what the state's uncertainty

@@ -3,16 +3,13 @@
 use super::adequacy::{Test, failing, tests};
 use super::answer::Verdict;
 use super::gust::{Gust, gust};
-use super::levels::{
-    ADEQUACY, HELD_OUT_ERRORS, HORIZONS_S, LAST_THOUSANDTH, MATERIAL, SEEN_IN_A_LOOP, WORTH_A_NAME,
-};
+use super::levels::{ADEQUACY, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, WORTH_A_NAME};
+use super::materiality::{closed, is_immaterial, vaf_ahead};
+use super::parts::Part;
 use super::posterior::{Finding, Selection};
 use super::rotation::{Rotation, rotate};
 use super::verdict::Grounds;
-use crate::dataset::Place;
-use crate::held_out::Part;
 use crate::likelihood::fit::Fit;
-use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use std::cell::LazyCell;
@@ -79,7 +76,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let with_rest = |finding: Finding| {
             let by_rest = finding.without.map(closed_by);
             let share = finding.share.max(by_rest.map_or(0.0, |rest| all_closed - rest));
-            let immaterial = by_rest.is_some_and(|rest| rest > 1.0 - LAST_THOUSANDTH);
+            let immaterial = by_rest.is_some_and(|rest| is_immaterial(finding.effect, all_closed, rest));
             (Finding { share, ..finding }, immaterial)
         };
         let mut named: Vec<(Finding, bool)> = named.into_iter().map(with_rest).collect();
@@ -98,8 +95,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
         };
         let clear = |finding: &Finding| {
             let (gain, error) = rotation.gain(finding.effect.about().id).unwrap_or_default().log_likelihood;
-            // What sets in at a moment, or beats, shows in few blocks: their spread says nothing of it.
-            finding.effect.about().variable == "t" || gain > HELD_OUT_ERRORS * error
+            // What acts between two moments shows in few blocks: their spread says nothing of it.
+            finding.effect.ends_at().is_some() || gain > HELD_OUT_ERRORS * error
         };
         let all: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
         let accounted = |finding: &Finding| {
@@ -160,22 +157,6 @@ impl<'p, 'd> Judgement<'p, 'd> {
 fn ahead(rotation: &Rotation) -> f64 {
     let last = rotation.parts.iter().filter_map(|part| part.extended.horizons.last());
     last.map(|(vaf, _)| vaf).sum::<f64>() / rotation.parts.len().max(1) as f64
-}
-
-/// VAF of predictions at the longest horizon by the model at `place`, per cent; `None` where no such prediction is finite.
-fn vaf_ahead(problem: &Problem<'_>, selection: &Selection, place: usize, sections: &[Place]) -> Option<f64> {
-    let Fit { effects, minimum } = &selection.visited[place].fit;
-    let unpacked = problem.unpack(effects, &minimum.values);
-    horizon_vaf(problem, &unpacked, sections, &HORIZONS_S)?.last().map(|(vaf, _)| *vaf)
-}
-
-/// Share of what a VAF of `before`, per cent, leaves of the motion, the noise included, that one of `after` closes; 0 where either
-/// is none.
-fn closed(before: Option<f64>, after: Option<f64>) -> f64 {
-    match (before, after) {
-        (Some(before), Some(after)) if before < 100.0 => ((after - before) / (100.0 - before)).max(0.0),
-        _ => 0.0,
-    }
 }
 
 #[cfg(test)]

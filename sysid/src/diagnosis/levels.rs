@@ -12,14 +12,10 @@ pub const HELD_OUT_ERRORS: f64 = 2.33;
 /// Share, of the evidence and of the motion, below which a further name is told as a remainder, however certain it is. (The least share of a true second effect
 /// in the practice set is 0.05.)
 pub const WORTH_A_NAME: f64 = 0.03;
-/// Share of the motion that the baseline leaves, 1 s ahead and the noise included, below which what a model leaves is significant
-/// where the sensors are good, and not material: a further name is told as a remainder where the model closes all but this
-/// without it. (Of the amplitude it is three hundredths: what nobody sees in a picture.)
+/// Share of the motion that the baseline leaves, 1 s ahead and the noise included, below which a further name is significant where
+/// the sensors are good, and not material: where it moves the prediction by less, it is told as a remainder. (Of the amplitude
+/// it is three hundredths: what nobody sees in a picture.)
 pub const LAST_THOUSANDTH: f64 = 1e-3;
-/// Prior probability that a further term is missing: half for nothing.
-pub const FURTHER_TERM: f64 = 0.5;
-/// Prior share of the named terms among those that may be missing: two to one against the shapes without a name.
-pub const NAMED: f64 = 2.0 / 3.0;
 /// Most terms that one diagnosis adds: the room for their states; the evidence ends the search before.
 pub const MOST_TERMS: usize = 5;
 /// Odds of a false alarm of one check of the data (one in 1,000 recordings).

@@ -5,9 +5,9 @@
 //! that choose it (Meinshausen and Bühlmann, J. R. Stat. Soc. B 72, 2010).
 
 use super::levels::HORIZONS_S;
+use super::parts::Part;
 use super::posterior::{Finding, Selection};
 use crate::dataset::Place;
-use crate::held_out::Part;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::weights;
 use crate::likelihood::free_run::vaf_over;
@@ -213,16 +213,20 @@ fn turn(
     Some(Turned { values, innovations, log_posterior })
 }
 
-/// 2 ln likelihood that the second innovations gain over the first at `places`, block by block. Their covariance is each
-/// one's own there: how strong the disturbance is differs from section to section.
+/// 2 ln likelihood that the second innovations gain over the first in the counted rows of `places`, block by block. Their
+/// covariance is each one's own there: how strong the disturbance is differs from section to section.
 fn gains_by_block(
     problem: &Problem<'_>,
     places: &[Place],
     before: &[Vec<Output>],
     after: &[Vec<Output>],
 ) -> Vec<f64> {
+    // While the predictor settles its errors are the start's, and no model's.
+    let counted = |place: &Place| -> Vec<usize> {
+        place.rows.clone().filter(|&k| problem.counted[place.run][k]).collect()
+    };
     let all = |of: &[Vec<Output>]| -> Vec<Output> {
-        places.iter().flat_map(|p| of[p.run][p.rows.clone()].to_vec()).collect()
+        places.iter().flat_map(|p| counted(p).into_iter().map(|k| of[p.run][k])).collect()
     };
     let (a, b) = (weights(&all(before)), weights(&all(after)));
     let square = |w: &nalgebra::Matrix2<f64>, e: &Output| {
@@ -231,12 +235,9 @@ fn gains_by_block(
     let mut blocks = Vec::new();
     for place in places {
         let rows = ((BLOCK_S / problem.data.runs[place.run].step) as usize).max(1);
-        let pairs: Vec<f64> = place
-            .rows
-            .clone()
-            .map(|k| a.1 - b.1 + square(&a.0, &before[place.run][k]) - square(&b.0, &after[place.run][k]))
-            .collect();
-        blocks.extend(pairs.chunks(rows).map(|block| block.iter().sum::<f64>()));
+        let gain =
+            |&k: &usize| a.1 - b.1 + square(&a.0, &before[place.run][k]) - square(&b.0, &after[place.run][k]);
+        blocks.extend(counted(place).chunks(rows).map(|block| block.iter().map(gain).sum::<f64>()));
     }
     blocks
 }

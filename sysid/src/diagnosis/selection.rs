@@ -9,8 +9,9 @@
 //! every term is dropped, and exchanged for every other, until no such step does.
 
 use super::change_point::best_moment;
-use super::levels::{FURTHER_TERM, MOST_TERMS, NAMED};
+use super::levels::MOST_TERMS;
 use super::posterior::{Selection, Visited, is_shape};
+use super::prior::log_prior;
 use super::search::{Prospect, fit_one_more, screen};
 use crate::catalogue::roll_off::RollOff;
 use crate::catalogue::shapes::SHAPES;
@@ -50,24 +51,6 @@ impl Candidates {
         let applies = |e: &&'static dyn Effect| e.applies(problem.baseline, problem.data) && !known(*e);
         let named = catalogue.iter().copied().filter(applies).collect();
         Self { named, shapes: SHAPES.iter().map(|&s| s as &'static dyn Effect).collect() }
-    }
-
-    /// ln of the prior odds of a model with these terms.
-    fn log_prior(&self, effects: &[&'static dyn Effect]) -> f64 {
-        let of = |effect: &&'static dyn Effect| {
-            if effect.is_background() {
-                return FURTHER_TERM.ln();
-            }
-            let share = if is_shape(*effect) {
-                (1.0 - NAMED) / self.shapes.len() as f64
-            } else {
-                NAMED / self.named.len().max(1) as f64
-            };
-            // A term that holds another as its special case says two things.
-            let said = if self.named.iter().any(|simple| effect.generalises(*simple)) { 2.0 } else { 1.0 };
-            said * (FURTHER_TERM * share).ln()
-        };
-        effects.iter().map(of).sum()
     }
 }
 
@@ -140,7 +123,11 @@ impl Search<'_, '_> {
             return Some(place);
         }
         let information = Information::new(self.problem, &fit, self.parts)?;
-        let visited = Visited { log_prior: self.candidates.log_prior(&fit.effects), fit, information };
+        let visited = Visited {
+            log_prior: log_prior(&fit.effects, &self.candidates.named, self.candidates.shapes.len()),
+            fit,
+            information,
+        };
         Some(match known {
             Some(place) => {
                 self.visited[place] = visited;
@@ -431,7 +418,9 @@ mod tests {
             let candidates = Candidates::new(problem, CATALOGUE);
             let lag = find("servo_lag").unwrap();
             let (names, shapes) = (candidates.named.len() as f64, candidates.shapes.len() as f64);
-            let odds = |effects: &[&'static dyn Effect]| candidates.log_prior(effects).exp();
+            let odds = |effects: &[&'static dyn Effect]| {
+                log_prior(effects, &candidates.named, candidates.shapes.len()).exp()
+            };
             assert_eq!(odds(&[]), 1.0);
             let (name, shape) = (odds(&[lag]) * names, odds(&candidates.shapes[..1]) * shapes);
             assert!((name / shape - 2.0).abs() < 1e-9 && (name + shape - 0.5).abs() < 1e-9);

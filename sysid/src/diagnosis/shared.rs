@@ -1,15 +1,18 @@
 //! What the axes of one vehicle share: an effect of the actuators, of the sensors or of the clocks is one effect of one size.
 //!
-//! On axis a the data say ẑ_a ± s_a of the effect's parameter (in the coordinate of the search), and gain g_a in log likelihood
-//! over the model without it, calibrated by blocks. That the axes of a set S have it alike, and the others none, has the
+//! On axis a the data say ẑ_a ± s_a of the effect's parameter (in the coordinate of the search, a logarithm), and gain g_a in
+//! log likelihood over the model without it, calibrated by blocks. Sizes that axes share lie within τ of one z̄ (the loads
+//! are not quite the same). That the axes of a set S share it, against that every axis has a size of its own or none, has the
 //! evidence
 //!
 //! ```text
-//! ln E(S) = Σ_{a ∈ S} (g_a − (ẑ_a − z̄)²/2 s_a²) + ½ ln(2π s̄²) − ln(range),    1/s̄² = Σ 1/s_a²,   z̄ = s̄² Σ ẑ_a/s_a²
+//! ln E(S) = Σ_{a ∈ S} (g_a − (ẑ_a − z̄)²/2σ_a² + ln(s_a/σ_a) − r_a) + ½ ln(2π s̄²) − ln(range)
+//! σ_a² = s_a² + τ²,   1/s̄² = Σ 1/σ_a²,   z̄ = s̄² Σ ẑ_a/σ_a²,   r_a = max(0, g_a + ½ ln(2π s_a²) − ln(range))
 //! ```
 //!
-//! and on an axis whose data do not want it at any size, g_a is what is lost with it at z̄. Actuators may serve any set of
-//! axes (rotors that tilt the craft do not turn it: yaw comes from their reaction); a gyro's filter and a clock serve all.
+//! and on an axis whose data want it at no size, or at one further than σ_a from z̄, the likelihood itself says what is gained
+//! or lost with it at z̄. Actuators may serve any two axes or more (rotors that tilt the craft do not turn it: yaw comes from
+//! their reaction); a gyro's filter and a clock serve all.
 
 use super::levels::{PLAUSIBLE, WIDEST_SHARED_INTERVAL};
 use super::search::fit_one_more;
@@ -30,6 +33,8 @@ use serde::Serialize;
 const CANDIDATES: [&dyn Effect; 2] = [&ServoLag, &GyroLag];
 /// Prior probability that the axes share none of them.
 const NONE: f64 = 0.5;
+/// τ: sizes that differ by a tenth are alike.
+const ALIKE: f64 = 0.1;
 
 /// An effect that several axes have alike.
 #[derive(Clone, Debug, Serialize)]
@@ -64,12 +69,19 @@ pub struct Asked<'a> {
     pub fit: &'a Fit,
 }
 
-/// What one axis says of an effect.
+/// What one axis says of an effect at its own size.
 struct Said {
     z: f64,
     deviation: f64,
-    gain: f64,
+    fits: Fits,
     divisor: f64,
+}
+
+/// Criteria of an axis: with the effect, and the lowest without it that was found from there.
+#[derive(Clone, Copy)]
+struct Fits {
+    with: f64,
+    without: f64,
 }
 
 /// One axis with what its likelihood is made of.
@@ -79,6 +91,13 @@ struct Posed<'a> {
 }
 
 impl Posed<'_> {
+    /// The criterion without the effect, fitted from where a fit with it ended: a search that had not settled before makes every
+    /// effect look good.
+    fn without(&self, values: &[f64]) -> f64 {
+        let again = refit(&self.problem, &[], values).map_or(f64::INFINITY, |fit| fit.criterion());
+        again.min(self.asked.fit.criterion())
+    }
+
     /// The effect as this axis wants it; `None` where it wants none.
     fn wants(&self, effect: &'static dyn Effect) -> Option<Said> {
         let fits = fit_one_more(&self.problem, self.asked.fit, &[effect]);
@@ -89,20 +108,23 @@ impl Posed<'_> {
         let coordinate = &self.problem.coordinates(&fit.effects)[own.start];
         let value = fit.minimum.values[own.start];
         let deviation = information.deviations(&fit.minimum.values)[own.start] / coordinate.stretch(value);
-        let gain = 0.5 * (self.asked.fit.criterion() - fit.criterion()) / divisor;
-        deviation.is_finite().then(|| Said { z: coordinate.inner(value), deviation, gain, divisor })
+        let fits = Fits { with: fit.criterion(), without: self.without(&fit.minimum.values[..own.start]) };
+        deviation.is_finite().then(|| Said { z: coordinate.inner(value), deviation, fits, divisor })
     }
 
-    /// Log likelihood gained with the effect at `value`; mostly lost.
-    fn gain_at(&self, effect: &'static dyn Effect, value: f64) -> Option<f64> {
+    /// With the effect at `value`, all else fitted.
+    fn at(&self, effect: &'static dyn Effect, value: f64) -> Option<Fits> {
         let mut baseline = self.asked.baseline.clone();
         baseline.terms.push(Term { effect, values: vec![value] });
         baseline.held.push(effect.about().id);
         let held = Problem::new(self.asked.data, &baseline, &[]);
-        let mut start = self.asked.fit.minimum.values.clone();
-        start.insert(held.known_range().end - 1, value);
-        let fit = refit(&held, &[], &start)?;
-        Some(0.5 * (self.asked.fit.criterion() - fit.criterion()))
+        let own = held.known_range().end - 1;
+        let mut values = self.asked.fit.minimum.values.clone();
+        values.insert(own, value);
+        let fit = refit(&held, &[], &values)?;
+        let mut values = fit.minimum.values.clone();
+        values.remove(own);
+        Some(Fits { with: fit.criterion(), without: self.without(&values) })
     }
 }
 
@@ -112,7 +134,20 @@ struct Hypothesis {
     axes: Vec<usize>,
     z: f64,
     deviation: f64,
-    log_evidence: f64,
+    /// ½ ln(2π s̄²) − ln(range), less what sizes beside z̄ cost.
+    occam: f64,
+    /// Of each of the axes, with the divisor of its gain.
+    fits: Vec<(Fits, f64)>,
+}
+
+impl Hypothesis {
+    /// ln E(S), given of every axis the lowest criterion without any effect, and r_a.
+    fn log_evidence(&self, without: &[f64], alone: &[f64]) -> f64 {
+        let of = |(&a, (fits, divisor)): (&usize, &(Fits, f64))| {
+            0.5 * (without[a] - fits.with) / divisor - alone[a]
+        };
+        self.occam + self.axes.iter().zip(&self.fits).map(of).sum::<f64>()
+    }
 }
 
 /// The effect that most probably is shared, where sharing one is more probable than sharing none.
@@ -134,13 +169,33 @@ pub fn shared(axes: &[Asked<'_>]) -> Option<SharedTerm> {
             all.extend(hypothesis(effect, candidate, &coordinates[effect], &posed, &said[effect], set));
         }
     }
+    let mut without: Vec<f64> = axes.iter().map(|asked| asked.fit.criterion()).collect();
+    for (&a, (fits, _)) in all.iter().flat_map(|h: &Hypothesis| h.axes.iter().zip(&h.fits)) {
+        without[a] = without[a].min(fits.without);
+    }
+    for of_effect in &said {
+        for (said, without) in of_effect.iter().zip(&mut without) {
+            *without = said.as_ref().map_or(*without, |said| without.min(said.fits.without));
+        }
+    }
+    let alone: Vec<f64> = (0..axes.len())
+        .map(|a| {
+            let of = |(said, coordinate): (&Vec<Option<Said>>, &Coordinate)| {
+                let said = said[a].as_ref()?;
+                let occam = (std::f64::consts::TAU.sqrt() * said.deviation / range(coordinate)).ln();
+                Some(0.5 * (without[a] - said.fits.with) / said.divisor + occam)
+            };
+            said.iter().zip(&coordinates).filter_map(of).fold(0.0, f64::max)
+        })
+        .collect();
     let prior = ((1.0 - NONE) / all.len().max(1) as f64 / NONE).ln();
-    let best = all.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
-    let largest = (best.log_evidence + prior).max(0.0);
+    let log = |h: &Hypothesis| h.log_evidence(&without, &alone) + prior;
+    let best = all.iter().max_by(|a, b| log(a).total_cmp(&log(b)))?;
+    let largest = log(best).max(0.0);
     let weight = |log: f64| (log - largest).exp();
-    let total = weight(0.0) + all.iter().map(|h| weight(h.log_evidence + prior)).sum::<f64>();
-    let probability = |h: &Hypothesis| weight(h.log_evidence + prior) / total;
-    if probability(best) <= weight(0.0) / total || best.axes.len() < 2 {
+    let total = weight(0.0) + all.iter().map(|h| weight(log(h))).sum::<f64>();
+    let probability = |h: &Hypothesis| weight(log(h)) / total;
+    if probability(best) <= weight(0.0) / total {
         return None;
     }
     let names = |set: &[usize]| -> Vec<String> { set.iter().map(|&a| axes[a].name.to_owned()).collect() };
@@ -174,10 +229,16 @@ pub fn shared(axes: &[Asked<'_>]) -> Option<SharedTerm> {
     })
 }
 
-/// All sets of at least one of `count` axes, or the set of all.
+/// All sets of at least two of `count` axes, or the set of all.
 fn sets(count: usize, any: bool) -> Vec<Vec<usize>> {
-    let first = if any { 1 } else { (1 << count) - 1 };
-    (first..1_usize << count).map(|bits| (0..count).filter(|a| bits >> a & 1 == 1).collect()).collect()
+    let all = (1_usize << count) - 1;
+    let members = |bits: usize| (0..count).filter(|a| bits >> a & 1 == 1).collect::<Vec<_>>();
+    (1..=all).filter(|&bits| bits == all || any).map(members).filter(|set| set.len() > 1).collect()
+}
+
+/// Width of the prior, in the coordinate of the search.
+fn range(coordinate: &Coordinate) -> f64 {
+    coordinate.inner(coordinate.bounds[1]) - coordinate.inner(coordinate.bounds[0])
 }
 
 fn hypothesis(
@@ -189,19 +250,28 @@ fn hypothesis(
     axes: Vec<usize>,
 ) -> Option<Hypothesis> {
     let wanting: Vec<&Said> = axes.iter().filter_map(|&a| said[a].as_ref()).collect();
-    let weight = |said: &&Said| 1.0 / (said.deviation * said.deviation);
+    let weight = |said: &&Said| 1.0 / (said.deviation * said.deviation + ALIKE * ALIKE);
     let total: f64 = wanting.iter().map(weight).sum();
     if wanting.is_empty() {
         return None;
     }
     let z = wanting.iter().map(|s| weight(s) * s.z).sum::<f64>() / total;
-    let mut log_evidence: f64 = wanting.iter().map(|s| s.gain - 0.5 * weight(s) * (s.z - z).powi(2)).sum();
+    // the errors of a size hold near it alone: what another axis' size costs is asked of the likelihood
+    let near = |said: &&Said| (said.z - z).powi(2) * weight(said) <= 1.0;
     let divisor = wanting.iter().map(|s| s.divisor).fold(1.0, f64::max);
-    for &a in axes.iter().filter(|&&a| said[a].is_none()) {
-        log_evidence += posed[a].gain_at(candidate, coordinate.outer(z))? / divisor;
+    let mut beside = 0.0;
+    let mut fits = Vec::with_capacity(axes.len());
+    for &a in &axes {
+        fits.push(match said[a].as_ref().filter(near) {
+            Some(said) => {
+                let share = weight(&said).sqrt() * said.deviation;
+                beside += 0.5 * weight(&said) * (said.z - z).powi(2) - share.ln();
+                (said.fits, said.divisor)
+            }
+            None => (posed[a].at(candidate, coordinate.outer(z))?, divisor),
+        });
     }
     let deviation = total.sqrt().recip();
-    let range = coordinate.inner(coordinate.bounds[1]) - coordinate.inner(coordinate.bounds[0]);
-    log_evidence += 0.5 * (std::f64::consts::TAU * deviation * deviation).ln() - range.ln();
-    Some(Hypothesis { effect, axes, z, deviation, log_evidence })
+    let occam = (std::f64::consts::TAU.sqrt() * deviation / range(coordinate)).ln() - beside;
+    Some(Hypothesis { effect, axes, z, deviation, occam, fits })
 }

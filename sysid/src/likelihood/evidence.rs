@@ -75,7 +75,16 @@ impl Information {
     /// At the minimum of `fit`; `parts` are the parts of the data that can be left out by [`Self::without`]. `None`
     /// where the fit has no finite derivatives, or they are not independent.
     pub fn new(problem: &Problem<'_>, fit: &Fit, parts: &[Vec<Place>]) -> Option<Self> {
-        let coordinates = problem.coordinates(&fit.effects);
+        Self::with(problem, fit, problem.coordinates(&fit.effects), parts)
+    }
+
+    /// The same with `coordinates` of its own, whose priors are others.
+    pub fn with(
+        problem: &Problem<'_>,
+        fit: &Fit,
+        coordinates: Vec<Coordinate>,
+        parts: &[Vec<Place>],
+    ) -> Option<Self> {
         let values = &fit.minimum.values;
         let residuals = |v: &[f64]| problem.prediction_errors(&fit.effects, v);
         let slopes = Chord::new(&residuals, problem.channels(), &coordinates, values)?.into_jacobian();

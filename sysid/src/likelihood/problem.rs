@@ -168,12 +168,17 @@ impl<'a> Problem<'a> {
 
     fn plant_coordinates(&self) -> Vec<Coordinate> {
         let plant = &self.baseline.plant;
-        let unit = self.data.input_unit.symbol();
         let damping = (self.sizes.moment / self.sizes.q).max(plant.dm_dq.abs());
         let gain = plant.dm_du.abs();
         let mut all = vec![
             coordinate("dM_dq", "N m s/rad", [-1e3 * damping, 0.0], false, 0.1 * damping),
-            coordinate("dM_du", &format!("N m/{unit}"), [-1e3 * gain, 1e3 * gain], false, 0.1 * gain),
+            coordinate(
+                "dM_du",
+                self.data.input_unit.gain_unit(),
+                [-1e3 * gain, 1e3 * gain],
+                false,
+                0.1 * gain,
+            ),
         ];
         if !self.data.input_changes() {
             all[1].bounds = [plant.dm_du; 2];

@@ -86,6 +86,19 @@ impl InputUnit {
             Self::Normalised => "1",
         }
     }
+
+    /// The unit of ∂M/∂u; `unit` stands for a full command.
+    #[must_use]
+    pub fn gain_unit(self) -> &'static str {
+        match self {
+            Self::Rad => "N m/rad",
+            Self::Percent => "N m/%",
+            Self::Volt => "N m/V",
+            Self::NewtonMetre => "1",
+            Self::Newton => "N m/N",
+            Self::Normalised => "N m/unit",
+        }
+    }
 }
 
 /// What a column means.

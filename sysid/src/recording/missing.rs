@@ -13,6 +13,16 @@ use crate::error::{Error, ErrorKind};
 /// Lines that a note names.
 const LINES_TOLD: usize = 5;
 
+/// Whether a cell says that nothing was measured: empty, or one of the words that loggers write for it.
+pub(super) fn is_missing(cell: &str) -> bool {
+    const WORDS: [&str; 8] = ["nan", "na", "n/a", "null", "none", "nil", "-", "#n/a"];
+    let bare = cell.trim_start_matches(['+', '-']);
+    cell.is_empty()
+        || WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word))
+        || bare.get(..3).is_some_and(|start| start.eq_ignore_ascii_case("nan"))
+            && (bare.len() == 3 || bare[3..].starts_with('('))
+}
+
 /// Leaves no cell without a number in `table`.
 pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), Error> {
     drop_sparse(table, notes)?;

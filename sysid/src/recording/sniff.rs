@@ -78,16 +78,6 @@ pub(super) fn separator(header: &str) -> Result<(), Error> {
     Err(Error::new(ErrorKind::Format, format!("columns separated by {name}"), advice).expecting("commas"))
 }
 
-/// Whether a cell says that nothing was measured: empty, or one of the words that loggers write for it.
-pub(super) fn is_missing(cell: &str) -> bool {
-    const WORDS: [&str; 8] = ["nan", "na", "n/a", "null", "none", "nil", "-", "#n/a"];
-    let bare = cell.trim_start_matches(['+', '-']);
-    cell.is_empty()
-        || WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word))
-        || bare.get(..3).is_some_and(|start| start.eq_ignore_ascii_case("nan"))
-            && (bare.len() == 3 || bare[3..].starts_with('('))
-}
-
 /// What to do about a cell that is not a number.
 pub(super) fn number_advice(cell: &str) -> &'static str {
     let digits =

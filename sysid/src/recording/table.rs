@@ -8,7 +8,7 @@ use super::assign::{Source, assign};
 use super::columns::{KNOWN_COLUMNS, Role};
 use super::expression::Expression;
 use super::options::{ColumnMap, ReadOptions};
-use super::{Note, sniff};
+use super::{Note, missing, sniff};
 use crate::error::{Error, ErrorKind, quote};
 
 /// A number beyond this is no measurement in SI units.
@@ -347,7 +347,7 @@ fn number(cell: &str, column: &str) -> Result<f64, Error> {
     let parsed = cell.parse::<f64>();
     let (found, advice) = match parsed {
         Ok(raw) if raw.is_finite() => return Ok(raw),
-        _ if sniff::is_missing(cell) => return Ok(f64::NAN),
+        _ if missing::is_missing(cell) => return Ok(f64::NAN),
         Ok(raw) if raw.is_infinite() && !cell.to_ascii_lowercase().contains("inf") => (
             format!("{}, beyond any measurement", quote(cell)),
             "look for a broken logger or a wrong unit; correct the cell or delete the row",
@@ -366,7 +366,7 @@ fn flag(row: &Splitter, source: &Source, before: bool) -> Result<bool, Error> {
     match cell {
         "0" => Ok(false),
         "1" => Ok(true),
-        _ if sniff::is_missing(cell) => Ok(before),
+        _ if missing::is_missing(cell) => Ok(before),
         _ => match cell.parse::<f64>() {
             Ok(0.0) => Ok(false),
             Ok(1.0) => Ok(true),

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::{output, text};
-use benchmark::reproduce::published::{page, published};
+use benchmark::reproduce::benchmarks::{page, published};
 use clap::Args;
 use std::path::PathBuf;
 

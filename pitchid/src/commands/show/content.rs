@@ -25,10 +25,12 @@ pub enum Shown {
 #[derive(Serialize)]
 pub struct ShownFlight {
     pub name: String,
-    /// The file alone.
-    pub file: String,
+    /// The files, as arguments of a command.
+    pub files: String,
     /// Counted from 1.
     pub flight: usize,
+    #[serde(skip)]
+    pub one_of_several: bool,
     pub format: &'static str,
     pub firmware: Option<String>,
     pub vehicle: Option<String>,
@@ -83,7 +85,7 @@ pub struct ShownSetting {
     pub parameter: &'static str,
     pub value: String,
     pub now: Option<f64>,
-    pub effect: &'static str,
+    pub effect: String,
 }
 
 /// One topic.
@@ -131,8 +133,9 @@ pub fn of_flight(flight: &Flight, axes: &[Axis]) -> ShownFlight {
     let log = &flight.log;
     ShownFlight {
         name: flight.name.clone(),
-        file: flight.path.display().to_string(),
+        files: flight.files(),
         flight: flight.number,
+        one_of_several: flight.one_of_several,
         format: format_name(log.format),
         firmware: log.firmware.clone(),
         vehicle: log.vehicle.clone(),
@@ -176,7 +179,7 @@ fn of_axis(log: &Log, axis: Axis) -> ShownAxis {
         parameter: setting.parameter,
         value: setting.value.clone(),
         now: log.parameter(setting.parameter),
-        effect: setting.effect,
+        effect: setting.effect(),
     };
     ShownAxis {
         axis: axis.to_string(),

@@ -15,6 +15,8 @@ use std::ops::Range;
 /// Share of the points of a curve at either end of its range that may lie outside the picture, beyond so many times the range of
 /// the others.
 const SPARED: f64 = 0.03;
+/// The same within the spans that move.
+const SPARED_OF_MOTION: f64 = 0.005;
 const ROOM: f64 = 1.0;
 
 /// What the template is given.
@@ -82,12 +84,18 @@ fn pictures(curves: &[Curve], excitation: &[Span]) -> Result<Vec<String>, Error>
 }
 
 fn picture(curves: &[(&Curve, RGBColor)], span: Range<f64>, windows: &[[f64; 2]]) -> Result<String, Error> {
-    let range = usual(curves.iter().flat_map(|(curve, _)| curve.series.values.iter().copied()).collect());
+    let range = shown_range(curves, windows);
+    let is_cut =
+        |curve: &Curve| curve.series.values.iter().any(|value| !(range.start..=range.end).contains(value));
+    let name = |curve: &Curve| {
+        if is_cut(curve) { format!("{} (cut off at the edges)", curve.role) } else { curve.role.to_owned() }
+    };
+    let names: Vec<(String, RGBColor)> = curves.iter().map(|(curve, color)| (name(curve), *color)).collect();
     let (first, _) = curves[0];
     let unit = if first.unit.is_empty() { "1" } else { first.unit };
     svg([900, 170], &format!("{} over time", first.role), |area| {
         let (head, body) = area.split_vertically(px(26));
-        legend(&head, curves.iter().map(|(curve, color)| (curve.role, *color)))?;
+        legend(&head, names.iter().map(|(name, color)| (name.as_str(), *color)))?;
         let mut chart = ChartBuilder::on(&body)
             .margin_top(px(4))
             .margin_right(px(12))
@@ -98,7 +106,8 @@ fn picture(curves: &[(&Curve, RGBColor)], span: Range<f64>, windows: &[[f64; 2]]
         let y = format!("{}, {unit}", first.role);
         mesh(&mut chart, &Axes { labels: [9, 4], x: "time, s", y: &y }, &tick)?;
         shade(&mut chart, windows, &span, &range)?;
-        for (Curve { series, .. }, color) in curves {
+        // the first on top
+        for (Curve { series, .. }, color) in curves.iter().rev() {
             let values = series.values.iter().map(|value| value.clamp(range.start, range.end));
             let line = series.time_s.iter().copied().zip(values);
             chart.draw_series(LineSeries::new(line, color.stroke_width(px(1)))).map_err(|e| e.to_string())?;
@@ -107,12 +116,24 @@ fn picture(curves: &[(&Curve, RGBColor)], span: Range<f64>, windows: &[[f64; 2]]
     })
 }
 
-/// Where nearly all values lie, with room beside: a crash at the end of a flight must not hide the flight.
-fn usual(mut values: Vec<f64>) -> Range<f64> {
+/// Where nearly all values lie, those in `windows` and the others: a crash at the end of a flight must not hide the flight, nor
+/// a long hover the test.
+fn shown_range(curves: &[(&Curve, RGBColor)], windows: &[[f64; 2]]) -> Range<f64> {
+    let values = |wanted: &dyn Fn(f64) -> bool| -> Vec<f64> {
+        let rows = curves.iter().flat_map(|(curve, _)| curve.series.time_s.iter().zip(&curve.series.values));
+        rows.filter(|(t, _)| wanted(**t)).map(|(_, value)| *value).collect()
+    };
+    let within = |t: f64| windows.iter().any(|[from, to]| (*from..=*to).contains(&t));
+    let [inside, all] = [usual(values(&within), SPARED_OF_MOTION), usual(values(&|_| true), SPARED)];
+    if windows.is_empty() { all } else { inside.start.min(all.start)..inside.end.max(all.end) }
+}
+
+/// Where all values but a share of `spared` at either end lie, with room beside.
+fn usual(mut values: Vec<f64>, spared: f64) -> Range<f64> {
     values.retain(|value| value.is_finite());
     values.sort_by(f64::total_cmp);
     let at = |share: f64| values.get((share * values.len() as f64) as usize).copied().unwrap_or_default();
-    let [low, high] = [at(SPARED), at(1.0 - SPARED)];
+    let [low, high] = [at(spared), at(1.0 - spared)];
     let room = ROOM * (high - low);
     padded(values.iter().map(|value| value.clamp(low - room, high + room)))
 }
@@ -126,9 +147,9 @@ mod tests {
     #[test]
     fn a_spike_does_not_hide_what_was_before() {
         let flight = (0..1000).map(|k| if k > 990 { 500.0 } else { f64::from(k).sin() });
-        let range = usual(flight.collect());
+        let range = usual(flight.collect(), SPARED);
         assert!(range.end < 6.0 && range.start < -0.9, "{range:?}");
-        assert!(usual(Vec::new()).end > usual(Vec::new()).start);
+        assert!(usual(Vec::new(), SPARED).end > usual(Vec::new(), SPARED).start);
     }
 
     #[test]

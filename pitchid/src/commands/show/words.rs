@@ -3,7 +3,9 @@
 use super::content::{Shown, ShownAxis, ShownFlight, ShownRecording};
 use crate::format::plain;
 use crate::logs::excitation::Span;
+use crate::logs::quoted;
 use crate::text::{heading, indented, paragraph, table};
+use std::path::Path;
 
 /// Spans that are listed; the others are counted.
 const MOST_SPANS: usize = 6;
@@ -68,16 +70,13 @@ fn of_axis(axis: &ShownAxis, flight: &ShownFlight) -> String {
         line(&format!("set {} = {}{now}: {}", setting.parameter, setting.value, setting.effect));
     }
     if axis.can_serve {
-        let number = if flight.name == flight.file || flight.name.contains(" and ") {
-            String::new()
-        } else {
-            format!(" --flight {}", flight.flight)
-        };
+        let number =
+            if flight.one_of_several { format!(" --flight {}", flight.flight) } else { String::new() };
         let longest = axis.excitation.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
         let time = longest
             .map(|span| format!(" --time {}..{}", span.time_s[0].floor(), span.time_s[1].ceil()))
             .unwrap_or_default();
-        line(&format!("next: pitchid diagnose {} --axis {}{number}{time}", flight.file, axis.axis));
+        line(&format!("next: pitchid diagnose {} --axis {}{number}{time}", flight.files, axis.axis));
     }
     text
 }
@@ -99,13 +98,11 @@ fn moving(spans: &[Span]) -> Vec<String> {
                 Some([low, high]) => format!(", {} to {} rad/s", plain(low), plain(high)),
                 None => String::new(),
             };
-            format!(
-                "moves: {:.1} to {:.1} s{band}; input ± {}, rate ± {} rad/s",
-                span.time_s[0],
-                span.time_s[1],
-                plain(span.input_deviation),
-                plain(span.rate_deviation)
-            )
+            let [from, to] = span.time_s;
+            let input = plain(span.input_deviation);
+            let rate =
+                span.rate_deviation.map_or(String::new(), |rate| format!(", rate ± {} rad/s", plain(rate)));
+            format!("moves: {from:.1} to {to:.1} s{band}; input ± {input}{rate}")
         })
         .collect();
     if !rest.is_empty() {
@@ -113,7 +110,7 @@ fn moving(spans: &[Span]) -> Vec<String> {
         lines.push(format!("moves: {} shorter spans, {seconds:.0} s together", rest.len()));
     }
     if lines.is_empty() {
-        lines.push("moves: nowhere for 3 s".into());
+        lines.push("moves: never for as long as 3 s".into());
     }
     lines
 }
@@ -140,7 +137,8 @@ fn of_recording(recording: &ShownRecording) -> String {
         text += &indented(&words, "  ", "    ");
     }
     let axis = recording.axis.as_ref().map_or(String::new(), |axis| format!(" --axis {axis}"));
-    text += &indented(&format!("next: pitchid diagnose {}{axis}", recording.name), "  ", "    ");
+    let file = quoted(Path::new(&recording.name));
+    text += &indented(&format!("next: pitchid diagnose {file}{axis}"), "  ", "    ");
     let rows = recording.sections.iter().map(|section| {
         let [from, to] = section.time_s;
         vec![section.label.clone(), section.rows.to_string(), format!("{from:.3}"), format!("{to:.3}")]

@@ -9,17 +9,17 @@
 //! c_k = tr (R/N)^k,   l = c₂³/c₃²,   x = 1 + (P − 1) √(2/l) / √(2c₂),   x ~ χ²(l)/l,   against the median: F(l, 2w/(π c₂))
 //! ```
 //!
-//! A burst is physics where it is
-//! local: without its windows, which are few, the rest is even. Otherwise the background is uneven, and that is a fact about
-//! the day.
+//! A burst is physics where it is local: an event or two, without whose windows, which are few, the rest is even, and does not
+//! spread so far that the strongest window may belong to it. Otherwise the background is uneven, and that is a fact about the
+//! day.
 
 use super::Test;
-use super::chance::least_of;
 use super::left::Left;
+use super::p_values::least_of;
 use super::tails;
 use crate::estimate::digits;
 use nalgebra::DMatrix;
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
 /// Length of the windows, s: shorter than a manoeuvre, longer than the memory of turbulence around a hovering vehicle.
 const WINDOW_S: f64 = 3.0;
@@ -33,6 +33,8 @@ const FEWEST: usize = 6;
 const STRONG: f64 = 1e-3;
 /// Level at which the rest counts as even.
 const EVEN: f64 = 0.01;
+/// A burst is an event, or two; what comes and goes more often is the air of the day.
+const MOST_SPANS: usize = 2;
 /// A burst takes at most this share of the time.
 const LONGEST: f64 = 0.2;
 
@@ -62,7 +64,8 @@ pub fn test(left: &Left) -> Test {
     let ratio = windows.all.iter().map(|w| w.ratio).fold(0.0, f64::max);
     let strong: Vec<&Window> = windows.all.iter().filter(|w| w.p_value < STRONG).collect();
     let spans = joined(&strong);
-    let local = strong.is_empty() || windows.are_local(&strong) && is_even(left, &spans);
+    let local =
+        strong.is_empty() || spans.len() <= MOST_SPANS && windows.are_local(&strong) && is_even(left, &spans);
     let described: Vec<String> = spans.iter().map(|[a, b]| format!("{a:.0} to {b:.0} s")).collect();
     let closes = strong.iter().map(|w| (w.ratio - 1.0 - w.ratio.ln()) / windows.cumulants[0]).sum();
     let strength = format!("up to {} times the power of the median window", digits(ratio));
@@ -150,7 +153,20 @@ impl Windows {
         let mut rest = self.clone();
         rest.all.retain(|w| !strong.iter().any(|s| beside(s, w)));
         let few = strong.len() as f64 <= (LONGEST * self.all.len() as f64).max(1.0);
-        few && rest.compare().is_none_or(|()| rest.p_value() > EVEN)
+        few && rest.compare().is_none_or(|()| rest.p_value() > EVEN && rest.are_exceeded_by(strong))
+    }
+
+    /// Whether the strongest of `strong` is stronger than windows that spread like these, ln P with Student's t: strength that
+    /// wanders a little everywhere is stronger somewhere.
+    fn are_exceeded_by(&self, strong: &[&Window]) -> bool {
+        let logs: Vec<f64> = self.all.iter().map(|w| w.power.max(f64::MIN_POSITIVE).ln()).collect();
+        let n = logs.len() as f64;
+        let mean = logs.iter().sum::<f64>() / n;
+        let spread = (logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+        let strongest = strong.iter().map(|w| w.power).fold(f64::MIN_POSITIVE, f64::max);
+        let t = (strongest.ln() - mean) / (spread * (1.0 + 1.0 / n).sqrt());
+        let chance = StudentsT::new(0.0, 1.0, n - 1.0).map_or(1.0, |student| student.sf(t));
+        least_of(chance, logs.len() + strong.len()) < EVEN
     }
 }
 

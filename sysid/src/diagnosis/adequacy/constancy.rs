@@ -13,8 +13,8 @@
 //! the worst counts (Bonferroni).
 
 use super::Test;
-use super::chance::{chi_squared_tail, divisor};
 use super::left::Left;
+use super::p_values::{chi_squared_tail, divisor};
 use crate::dataset::Place;
 use crate::estimate::digits;
 use crate::likelihood::fit::Fit;

@@ -10,8 +10,8 @@
 //! Neighbours and not the whole spectrum, so that a background of another colour than the model's is no line.
 
 use super::Test;
-use super::chance::least_of;
 use super::left::Left;
+use super::p_values::least_of;
 use crate::estimate::digits;
 use nalgebra::Complex;
 use std::f64::consts::TAU;

@@ -14,11 +14,11 @@
 //! | `moment`, `sensor`, `time` | any moment of (u, q, θ), any addition to the measurement, any change over time |
 
 mod burst;
-mod chance;
 mod constancy;
 pub(super) mod features;
 pub(super) mod left;
 mod line;
+mod p_values;
 mod score;
 #[cfg(test)]
 mod sizes;

@@ -17,7 +17,7 @@
 //! sᵀ (Σ + λI)⁻¹ s/κ − tr (Σ + λI)⁻¹ Σ
 //! ```
 
-use super::chance::{divisor, mixture_tail};
+use super::p_values::{divisor, mixture_tail};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Values that are gathered before they are multiplied: memory does not grow with the rows.

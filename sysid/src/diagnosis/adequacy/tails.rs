@@ -4,8 +4,8 @@
 //! values on. One-sided: tails lighter than Gaussian are rounding, and harm nothing.
 
 use super::Test;
-use super::chance::{least_of, normal_tail};
 use super::left::Left;
+use super::p_values::{least_of, normal_tail};
 use crate::estimate::digits;
 
 /// Tests every channel.

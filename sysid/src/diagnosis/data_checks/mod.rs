@@ -128,7 +128,7 @@ pub fn is_of_the_controller(recordings: &[Recording], problem: &Problem<'_>, fit
     let delay = problem.unpack(&fit.effects, &fit.minimum.values).plant.delay;
     let within_a_row = 0.5 * (1.0 - 1.0 / problem.data.thinned as f64) * problem.sizes.step;
     !problem.baseline.input_first
-        && delay < -within_a_row
+        && (delay < -within_a_row || delay <= problem.earliest())
         && Loops::new(recordings, problem, fit).all_closed()
 }
 

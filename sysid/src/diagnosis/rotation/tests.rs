@@ -125,6 +125,20 @@ fn the_gain_in_likelihood_is_that_of_the_covariances() {
 }
 
 #[test]
+fn what_the_predictor_errs_while_it_settles_is_no_terms_loss() {
+    asked(&flight_with(1, stiff), |problem, _| {
+        let before = vec![(0..2000).map(|k| [(k as f64 * 0.7).sin(), (k as f64 * 0.3).sin()]).collect()];
+        let mut after: Vec<Vec<Output>> = before.clone();
+        let settling = 50;
+        after[0][..settling].fill([40.0, 40.0]);
+        let first = &quarters(problem)[0].places;
+        assert!(gains_by_block(problem, first, &before, &after).iter().all(|gain| *gain == 0.0));
+        after[0][settling] = [40.0, 40.0];
+        assert!(gains_by_block(problem, first, &before, &after)[0] < 0.0);
+    });
+}
+
+#[test]
 fn a_terms_gain_is_summed_over_blocks_and_averaged_over_parts() {
     let turn =
         |blocks: [f64; 2], points, chosen| Turn { blocks: blocks.into(), points, chosen, in_kind: true };

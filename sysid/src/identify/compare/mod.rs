@@ -237,7 +237,7 @@ fn belongs(flown: &OnBoard, data: &Dataset, step: f64) -> Result<(), Error> {
 /// The estimates with the unit of the input that the recordings have.
 fn with_input_unit(mut estimates: Vec<Estimate>, unit: InputUnit) -> Vec<Estimate> {
     for estimate in estimates.iter_mut().filter(|e| e.name == "dM_du") {
-        estimate.unit = format!("N m/{}", unit.symbol());
+        estimate.unit = unit.gain_unit().to_owned();
     }
     estimates
 }
