@@ -124,7 +124,7 @@ impl Readable {
     pub fn axes(&self) -> Vec<Axis> {
         match self {
             Self::Log(_) => Axis::ALL.to_vec(),
-            Self::Table(path, _) => axes_of(path),
+            Self::Table(path, _) => header(path).map_or(Vec::new(), |names| axes_of(&names)),
         }
     }
 
@@ -143,20 +143,19 @@ impl Readable {
     }
 }
 
-/// The axes that a recording has an input and a rate of; none where it cannot be read, or is of one axis alone.
-fn axes_of(path: &Path) -> Vec<Axis> {
-    let Ok(names) = header(path) else { return Vec::new() };
+/// The axes that a recording with these columns has an input and a rate of; none where it is of one axis alone.
+fn axes_of(names: &[String]) -> Vec<Axis> {
     let has =
-        |axis: &Axis| input(&names, *axis).is_some() && names.iter().any(|name| name == columns(*axis)[1]);
+        |axis: &Axis| input(names, *axis).is_some() && names.iter().any(|name| name == columns(*axis)[1]);
     Axis::ALL.into_iter().filter(has).collect()
 }
 
 /// Reads one axis of a recording as if it were the only one; what the user maps goes first.
 fn recording_of(path: &Path, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
-    let Some(axis) = axis.or_else(|| (axes_of(path).contains(&Axis::Pitch)).then_some(Axis::Pitch)) else {
+    let names = header(path)?;
+    let Some(axis) = axis.or_else(|| axes_of(&names).contains(&Axis::Pitch).then_some(Axis::Pitch)) else {
         return Ok(read(path, options)?);
     };
-    let names = header(path)?;
     let [_, rate, angle] = columns(axis);
     let of = |target: &str, source: &str| ColumnMap {
         target: target.into(),
@@ -223,7 +222,7 @@ mod tests {
             );
         }
         std::fs::write(&path, text).unwrap();
-        assert_eq!(axes_of(&path), [Axis::Roll, Axis::Yaw]);
+        assert_eq!(axes_of(&header(&path).unwrap()), [Axis::Roll, Axis::Yaw]);
         let options = ReadOptions::default();
         let roll = recording_of(&path, Some(Axis::Roll), &options).unwrap();
         assert_eq!((roll.u[3], roll.q.unwrap()[3]), (3.0, 9.0));

@@ -153,15 +153,14 @@ pub fn assess(log: &Log, axis: Axis, channels: Channels) -> Proposal {
         }
         slow = true;
     }
-    let motion = |channel: &Option<Channel>| deviation(&channel.as_ref()?.series(log).values);
+    let series = |channel: &Option<Channel>| channel.as_ref().map(|channel| channel.series(log));
+    let motion = |channel: &Option<Channel>| deviation(&series(channel)?.values);
     if motion(&channels.input) == Some(0.0) {
         hindrances
             .push(format!("nothing is asked of {axis}: its input never changes; fly, and excite the axis"));
     }
-    let seconds = channels.rate.as_ref().and_then(|rate| {
-        let time_s = rate.series(log).time_s;
-        Some(time_s.last()? - time_s.first()?)
-    });
+    let rate = series(&channels.rate);
+    let seconds = rate.as_ref().and_then(|rate| Some(rate.time_s.last()? - rate.time_s.first()?));
     if let Some(seconds) = seconds.filter(|seconds| *seconds < LEAST_S) {
         hindrances.push(format!(
             "{seconds:.1} s are too short: at least {LEAST_S} s are needed, a hundred are good"
@@ -170,7 +169,7 @@ pub fn assess(log: &Log, axis: Axis, channels: Channels) -> Proposal {
         hindrances.push(format!(
             "the craft was never armed ({never}): its motors stood still; fly, and excite the axis"
         ));
-    } else if let Some(motion) = motion(&channels.rate)
+    } else if let Some(motion) = rate.and_then(|rate| deviation(&rate.values))
         && motion < LEAST_MOTION_RAD_S
     {
         hindrances.push(format!(

@@ -4,10 +4,8 @@
 //! out one span at a time: the starts are the same and the rest outvotes the span. Fitted afresh, parts that are no
 //! realisations of one craft differ by more than their intervals.
 
-use super::side::{fitted, take_mean};
-use crate::dataset::Dataset;
+use super::side::{fitted, posed};
 use crate::likelihood::problem::Problem;
-use crate::model::baseline::Baseline;
 use crate::model::file::ModelFile;
 use crate::recording::Recording;
 use std::ops::Range;
@@ -60,9 +58,7 @@ fn share(segments: &[Range<usize>], k: usize, count: usize) -> Vec<Range<usize>>
 }
 
 fn response(part: &[Recording], model: Option<&ModelFile>) -> Option<Response> {
-    let mut data = Dataset::new(part).ok()?;
-    take_mean(&mut data);
-    let baseline = Baseline { delay_free: true, ..Baseline::new(model, &data).ok()? };
+    let (data, baseline, _) = posed(part, model).ok()?;
     let problem = Problem::new(&data, &baseline, &[]);
     let fit = fitted(&problem, false)?;
     Some(Response::of(&problem, &fit))

@@ -123,12 +123,17 @@ fn flown(thrust: &[f64], segments: &[Range<usize>], step: f64) -> Option<Vec<Ran
     (!stretches.is_empty()).then_some(stretches)
 }
 
-/// Takes the mean off the input, and gives it.
-pub fn take_mean(data: &mut Dataset) -> f64 {
+/// The data less the mean of the input, what they are to be fitted with, and ū.
+///
+/// # Errors
+/// Recordings that do not go together.
+pub fn posed(recordings: &[Recording], model: Option<&ModelFile>) -> Result<(Dataset, Baseline, f64), Error> {
+    let mut data = Dataset::new(recordings)?;
     let count = data.samples().max(1) as f64;
     let mean = data.runs.iter().flat_map(|run| &run.u).sum::<f64>() / count;
     data.runs.iter_mut().flat_map(|run| &mut run.u).for_each(|u| *u -= mean);
-    mean
+    let baseline = Baseline { delay_free: true, ..Baseline::new(model, &data)? };
+    Ok((data, baseline, mean))
 }
 
 impl Side {
@@ -142,10 +147,8 @@ impl Side {
         friction: bool,
         notes: &mut Vec<String>,
     ) -> Result<Self, Error> {
-        let mut data = Dataset::new(recordings)?;
+        let (data, baseline, mean) = posed(recordings, model)?;
         notes.extend(data.notes(recordings));
-        let mean = take_mean(&mut data);
-        let baseline = Baseline { delay_free: true, ..Baseline::new(model, &data)? };
         let problem = &Problem::new(&data, &baseline, &[]);
         let refuse = || {
             let found = "the model has no finite likelihood on these data";

@@ -1,6 +1,6 @@
 //! The axes of one vehicle, diagnosed together: what they share once, and then each by itself.
 
-use super::data_checks::is_of_the_controller;
+use super::data_checks::{Loops, is_of_the_controller, is_the_controller_alone};
 use super::diagnose::{Diagnosis, diagnose, diagnose_knowing};
 use super::excitation::{too_little, too_weak};
 use super::levels::PARTS;
@@ -96,7 +96,7 @@ fn excited(axis: &AxisRecordings, data: &Dataset, baseline: &Baseline) -> Option
     let baseline = Baseline { input_first, ..baseline.clone() };
     let problem = Problem::new(data, &baseline, &[]);
     let fit = if input_first { fit_baseline(&problem)? } else { fit };
-    if input_first && problem.unpack(&fit.effects, &fit.minimum.values).plant.delay <= problem.earliest() {
+    if is_the_controller_alone(&problem, &fit, &Loops::new(&axis.recordings, &problem, &fit)) {
         return None;
     }
     let places: Vec<_> = parts(data, PARTS).into_iter().map(|part| part.places).collect();

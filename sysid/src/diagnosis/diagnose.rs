@@ -166,10 +166,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         return input_first();
     }
     let loops = Loops::new(recordings, &problem, extended);
-    if baseline.input_first
-        && loops.all_closed()
-        && problem.unpack(&extended.effects, &extended.minimum.values).plant.delay <= problem.earliest()
-    {
+    if data_checks::is_the_controller_alone(&problem, extended, &loops) {
         let reason = "The data cannot tell: the loop is closed, and with the input first the motion still follows without any delay. That \
                       is the controller's answer to the motion, not the craft's to the input: nothing else moves the input. Excite the axis, \
                       or move its set-point."

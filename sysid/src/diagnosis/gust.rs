@@ -86,15 +86,15 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     let deviations = information.deviations(&fit.minimum.values);
     let deviation = |i: usize| deviations[i] / fit.minimum.values[i];
     let (log_sigma, log_time) = (deviation(own.start), deviation(own.start + 1));
+    let ratio = log_ratio(&problem.unpack(&fit.effects, &fit.minimum.values).disturbance);
+    if log_sigma > WIDEST || ratio < BACKGROUND_RATIO.ln() {
+        return None;
+    }
 
     let gain = (background.criterion() - fit.criterion()) / information.divisor(own.clone());
     let penalty = own.len() as f64 * (problem.count() as f64).ln();
     let by_likelihood = 0.5 * (gain - penalty) + (FURTHER_TERM * NAMED / CATALOGUE.len() as f64).ln();
-    let ratio = log_ratio(&problem.unpack(&fit.effects, &fit.minimum.values).disturbance);
     let score = (ratio - BACKGROUND_RATIO.ln()) / error_of_ratio(problem, &fit, &information);
-    if log_sigma > WIDEST || ratio < BACKGROUND_RATIO.ln() {
-        return None;
-    }
     let by_ratio = ratio > LEAST_RATIO.ln() && score > LEAST_SCORE;
     let (log_evidence, p_value) = if by_likelihood > 0.0 {
         (by_likelihood, chance(gain, own.len()))

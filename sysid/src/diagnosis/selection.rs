@@ -2,10 +2,10 @@
 //! probability of the answer is a posterior over all of them.
 //!
 //! ```text
-//! ln P(M | data) = ln E(M) + Σ_terms ln prior(term) + const,      prior(term) = ½ · ⅔ / named   or   ½ · ⅓ / shapes
+//! ln P(M | data) = ln E(M) + Σ_terms ln prior(term) + const
 //! ```
 //!
-//! E is the calibrated evidence of [`crate::likelihood::evidence`]. A term is added while that raises the posterior; then
+//! E is the calibrated evidence of [`crate::likelihood::evidence`], the prior that of [`super::prior`]. A term is added while that raises the posterior; then
 //! every term is dropped, and exchanged for every other, until no such step does.
 
 use super::change_point::best_moment;

@@ -20,7 +20,7 @@ use crate::catalogue::gyro_lag::GyroLag;
 use crate::catalogue::servo_lag::ServoLag;
 use crate::dataset::Dataset;
 use crate::estimate::Estimate;
-use crate::likelihood::evidence::Information;
+use crate::likelihood::evidence::{Information, width};
 use crate::likelihood::fit::{Fit, refit};
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
@@ -94,8 +94,7 @@ impl Posed<'_> {
     /// The criterion without the effect, fitted from where a fit with it ended: a search that had not settled before makes every
     /// effect look good.
     fn without(&self, values: &[f64]) -> f64 {
-        let again = refit(&self.problem, &[], values).map_or(f64::INFINITY, |fit| fit.criterion());
-        again.min(self.asked.fit.criterion())
+        refit(&self.problem, &[], values).map_or(f64::INFINITY, |fit| fit.criterion())
     }
 
     /// The effect as this axis wants it; `None` where it wants none.
@@ -135,7 +134,7 @@ struct Hypothesis {
     z: f64,
     deviation: f64,
     /// ½ ln(2π s̄²) − ln(range), less what sizes beside z̄ cost.
-    occam: f64,
+    cost: f64,
     /// Of each of the axes, with the divisor of its gain.
     fits: Vec<(Fits, f64)>,
 }
@@ -146,7 +145,7 @@ impl Hypothesis {
         let of = |(&a, (fits, divisor)): (&usize, &(Fits, f64))| {
             0.5 * (without[a] - fits.with) / divisor - alone[a]
         };
-        self.occam + self.axes.iter().zip(&self.fits).map(of).sum::<f64>()
+        self.cost + self.axes.iter().zip(&self.fits).map(of).sum::<f64>()
     }
 }
 
@@ -182,8 +181,8 @@ pub fn shared(axes: &[Asked<'_>]) -> Option<SharedTerm> {
         .map(|a| {
             let of = |(said, coordinate): (&Vec<Option<Said>>, &Coordinate)| {
                 let said = said[a].as_ref()?;
-                let occam = (std::f64::consts::TAU.sqrt() * said.deviation / range(coordinate)).ln();
-                Some(0.5 * (without[a] - said.fits.with) / said.divisor + occam)
+                let gain = 0.5 * (without[a] - said.fits.with) / said.divisor;
+                Some(gain + occam(said.deviation, coordinate))
             };
             said.iter().zip(&coordinates).filter_map(of).fold(0.0, f64::max)
         })
@@ -236,9 +235,9 @@ fn sets(count: usize, any: bool) -> Vec<Vec<usize>> {
     (1..=all).filter(|&bits| bits == all || any).map(members).filter(|set| set.len() > 1).collect()
 }
 
-/// Width of the prior, in the coordinate of the search.
-fn range(coordinate: &Coordinate) -> f64 {
-    coordinate.inner(coordinate.bounds[1]) - coordinate.inner(coordinate.bounds[0])
+/// ½ ln(2π s²) − ln(range).
+fn occam(deviation: f64, coordinate: &Coordinate) -> f64 {
+    (std::f64::consts::TAU.sqrt() * deviation / width(coordinate)).ln()
 }
 
 fn hypothesis(
@@ -272,6 +271,6 @@ fn hypothesis(
         });
     }
     let deviation = total.sqrt().recip();
-    let occam = (std::f64::consts::TAU.sqrt() * deviation / range(coordinate)).ln() - beside;
-    Some(Hypothesis { effect, axes, z, deviation, occam, fits })
+    let cost = occam(deviation, coordinate) - beside;
+    Some(Hypothesis { effect, axes, z, deviation, cost, fits })
 }

@@ -292,7 +292,7 @@ fn factor(matrix: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
 }
 
 /// Width of a parameter's prior, in the coordinate of the search.
-fn width(coordinate: &Coordinate) -> f64 {
+pub fn width(coordinate: &Coordinate) -> f64 {
     let [low, high] = coordinate.bounds;
     let width = coordinate.inner(high) - coordinate.inner(low);
     if coordinate.log { width } else { width.min(WIDEST_PRIOR) }

@@ -125,11 +125,21 @@ pub fn of_fit(
 /// Whether `fit` has the motion come before the input, by more than averages over a row make of it, and the loop is closed: the
 /// fit is that of the controller then.
 pub fn is_of_the_controller(recordings: &[Recording], problem: &Problem<'_>, fit: &Fit) -> bool {
-    let delay = problem.unpack(&fit.effects, &fit.minimum.values).plant.delay;
+    let delay = delay(problem, fit);
     let within_a_row = 0.5 * (1.0 - 1.0 / problem.data.thinned as f64) * problem.sizes.step;
     !problem.baseline.input_first
         && (delay < -within_a_row || delay <= problem.earliest())
         && Loops::new(recordings, problem, fit).all_closed()
+}
+
+/// Whether the loop is closed and `fit`, with the input first, has the motion follow without any delay: nothing but the controller
+/// moves the input then.
+pub fn is_the_controller_alone(problem: &Problem<'_>, fit: &Fit, loops: &Loops) -> bool {
+    problem.baseline.input_first && delay(problem, fit) <= problem.earliest() && loops.all_closed()
+}
+
+fn delay(problem: &Problem<'_>, fit: &Fit) -> f64 {
+    problem.unpack(&fit.effects, &fit.minimum.values).plant.delay
 }
 
 /// The causes that only a fit can tell, where there is none.
