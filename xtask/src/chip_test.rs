@@ -40,17 +40,18 @@ fn cargo(arguments: &[&str]) -> Command {
 
 /// Builds the command that flies the image from the ground.
 fn command() -> Outcome<PathBuf> {
-    let status = cargo(&["build", "--quiet", "--package", "pitchid"]).status();
+    let status = cargo(&["build", "--quiet", "--workspace", "--release", "--bin", "pitchid"]).status();
     if !status.is_ok_and(|status| status.success()) {
         return Err("pitchid does not build".into());
     }
-    Ok(image::target().join("debug/pitchid"))
+    Ok(image::target().join("release/pitchid"))
 }
 
 /// Runs the tests that fly the image; returns how many passed.
 fn fly([flight, control]: [&Path; 2], statics: u64, ledger: &mut Ledger) -> Outcome<usize> {
     let command = command()?;
-    let mut cargo = cargo(&["test", "--package", "pitchid-tests"]);
+    // as the README's command builds them, so that nothing is built twice
+    let mut cargo = cargo(&["test", "--workspace", "--release"]);
     cargo.args(TESTS.iter().flat_map(|test| ["--test", test])).args([
         "--",
         "--nocapture",
