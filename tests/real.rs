@@ -12,12 +12,6 @@ fn every_real_recording_gets_a_verdict_without_nonsense() {
     };
     for file in files {
         let name = file.to_string_lossy();
-        if name.contains("oscillator_arrow") {
-            println!(
-                "skipped: {name} is a quarter of an hour of work, and the multisine asks the same of the same rig"
-            );
-            continue;
-        }
         // The oscillator's input was measured, not commanded.
         let measured = name.contains("oscillator");
         let input_hold = if measured { InputHold::Interpolated } else { InputHold::Held };

@@ -299,6 +299,28 @@ fn moment_step_that_stays() {
 }
 
 #[test]
+fn long_data_are_searched_in_part_and_answered_whole() {
+    let flights: Vec<Recording> = (1..=4)
+        .map(|seed| {
+            let step = |now: &Now| if now.t > 27.1 { -0.06 } else { 0.0 };
+            flown(seed, false, &mut Moment(|now: &Now| step(now) - 0.07 * sign(now.q)))
+        })
+        .collect();
+    let found = diagnose(&flights, Some(&model()), &|_| ()).expect("it can be diagnosed").answer;
+    println!("{:?} {}", found.verdict, found.summary);
+    assert_eq!(found.verdict, Verdict::Named, "{}", found.summary);
+    let truth = [("coulomb_friction", "Mc", 0.07), ("moment_step", "t0", 27.1), ("moment_step", "M0", -0.06)];
+    assert_eq!(found.effects.len(), 2, "{}", found.summary);
+    for (id, name, truth) in truth {
+        let effect = found.effects.iter().find(|effect| effect.id == id).expect("it is named");
+        let parameter = effect.parameters.iter().find(|p| p.name == name).expect("it is told");
+        let [low, high] = parameter.ci95;
+        let slack = 0.5 * (high - low);
+        assert!((low - slack..=high + slack).contains(&truth), "{id}.{name}: {parameter:?} for {truth}");
+    }
+}
+
+#[test]
 fn slung_load() {
     let (f_hz, share, zeta) = (0.6, 0.15, 0.04);
     let truth = [("f_hz", f_hz), ("share", share), ("zeta", zeta)];

@@ -41,6 +41,8 @@ const SHORTEST: f64 = 0.1;
 const LEAST_DATA: f64 = 4.0 * std::f64::consts::PI / LOW_BAND[0];
 /// A gust weaker than this share of the control moment is an ordinary background.
 const MILD: f64 = 0.05;
+/// A gust fitted beside a background may come out stronger than both were as one, by this factor at the most.
+const OVER: f64 = 3.0;
 /// Zero of a background without slow parts, rad/s, and the width of the prior that holds it there.
 const NO_SLOW_PART: (f64, f64) = (0.03, 0.01);
 /// A zero below this share of the background's frequency, and a ratio below this, are those of a background.
@@ -72,6 +74,10 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
         && disturbance.zero < least_zero * disturbance.frequency
         && log_ratio(&disturbance) < least_ratio.ln();
     if like_background || problem.sizes.duration < LEAST_DATA {
+        return None;
+    }
+    // No part of a disturbance is stronger than the whole.
+    if OVER * strength(&disturbance) * sensor_noise(problem, fit)? < MILD * problem.sizes.moment {
         return None;
     }
     let (background, fit) = without_and_with(problem, fit, &disturbance)?;
@@ -197,6 +203,18 @@ fn mean_power(disturbance: &Disturbance, band: [f64; 2]) -> f64 {
     (0..POINTS).map(|i| disturbance.spectrum(at(i))).sum::<f64>() / POINTS as f64
 }
 
+/// Standard deviation of the disturbance: √(∫ S dω / π), by the logarithm of ω.
+fn strength(disturbance: &Disturbance) -> f64 {
+    const PER_OCTAVE: i32 = 8;
+    let width = std::f64::consts::LN_2 / f64::from(PER_OCTAVE);
+    let octaves = -7 * PER_OCTAVE..=10 * PER_OCTAVE;
+    let power = octaves.map(|i| {
+        let omega = (f64::from(i) * width).exp();
+        omega * disturbance.spectrum(omega)
+    });
+    (power.sum::<f64>() * width / std::f64::consts::PI).sqrt()
+}
+
 /// Standard error of ln of the ratio.
 fn error_of_ratio(problem: &Problem<'_>, fit: &Fit, information: &Information) -> f64 {
     let values = &fit.minimum.values;
@@ -245,6 +263,14 @@ mod tests {
         assert!(log_ratio(&BAND) < BACKGROUND_RATIO.ln());
         assert!(log_ratio(&Disturbance { zero: 2.2, ..BAND }) > LEAST_RATIO.ln());
         assert!(log_ratio(&Disturbance { damping: 0.4, ..BAND }) < 0.05_f64.ln());
+    }
+
+    #[test]
+    fn the_strength_of_a_disturbance_is_its_deviation() {
+        let gust = noise::Gust { sigma: 0.3, time_constant: 0.8 };
+        let squared = |third| strength(&Disturbance { third, ..BAND }).powi(2);
+        let added = squared(Some(Third::Gust(gust))) - squared(None);
+        assert!((added / 0.09 - 1.0).abs() < 0.02, "{added}");
     }
 
     #[test]

@@ -18,6 +18,7 @@ pub mod data_checks;
 mod describe;
 mod diagnose;
 mod estimates;
+mod excerpt;
 mod excitation;
 mod experiment;
 #[cfg(test)]

@@ -9,6 +9,7 @@
 //! every term is dropped, and exchanged for every other, until no such step does.
 
 use super::change_point::best_moment;
+use super::excerpt::{carried, excerpt};
 use super::levels::MOST_TERMS;
 use super::posterior::{Selection, Visited, is_shape};
 use super::prior::log_prior;
@@ -52,19 +53,28 @@ impl Candidates {
         let named = catalogue.iter().copied().filter(applies).collect();
         Self { named, shapes: SHAPES.iter().map(|&s| s as &'static dyn Effect).collect() }
     }
+
+    /// The named ones that begin to act at some moment.
+    pub fn acting_from_a_moment(&self) -> Vec<&'static dyn Effect> {
+        self.named.iter().copied().filter(|effect| effect.begins_at().is_some()).collect()
+    }
 }
 
 /// A model with each candidate that it lacks.
-struct Round {
+pub struct Round {
     before: usize,
     after: Vec<usize>,
 }
 
-struct Search<'p, 'd> {
-    problem: &'p Problem<'d>,
-    candidates: Candidates,
+/// The search, with all that it has visited.
+pub struct Search<'p, 'd> {
+    /// What is searched on.
+    pub problem: &'p Problem<'d>,
+    /// What is searched for.
+    pub candidates: Candidates,
     parts: &'p [Vec<Place>],
-    visited: Vec<Visited>,
+    /// The models.
+    pub visited: Vec<Visited>,
     rounds: Vec<Round>,
 }
 
@@ -77,8 +87,27 @@ pub fn select(
     parts: &[Vec<Place>],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Option<Selection> {
-    let candidates = Candidates::new(problem, catalogue);
-    let mut search = Search { problem, candidates, parts, visited: Vec::new(), rounds: Vec::new() };
+    let begun = |problem, parts| {
+        let candidates = Candidates::new(problem, catalogue);
+        Search { problem, candidates, parts, visited: Vec::new(), rounds: Vec::new() }
+    };
+    let Some(excerpt) = excerpt(problem.data) else {
+        return searched(begun(problem, parts), baseline, progress);
+    };
+    let part = problem.in_part(&excerpt);
+    let of_part = refit(&part, &[], &baseline.minimum.values)?;
+    let selection = searched(begun(&part, &[]), of_part, progress)?;
+    progress("fitting to all data what was found in a part of them");
+    let mut search = begun(problem, parts);
+    search.visit(baseline)?;
+    carried(search, &part, &selection)
+}
+
+fn searched(
+    mut search: Search<'_, '_>,
+    baseline: Fit,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Option<Selection> {
     let mut current = search.visit(baseline)?;
     current = search.with_third_pole(current);
     for _ in 0..MOST_TERMS {
@@ -101,14 +130,19 @@ pub fn select(
     if named != baseline {
         search.visit_shape_instead(baseline, named);
     }
-    let extended = search.without_needless(extended, named);
-    let fullest = search.best_of_all(extended, |_| true);
-    Some(Selection { visited: search.visited, baseline, named, extended, fullest })
+    Some(search.selection(baseline, named, extended))
 }
 
 impl Search<'_, '_> {
+    /// Which of all that was visited is the answer's, of those that were found.
+    pub fn selection(mut self, baseline: usize, named: usize, extended: usize) -> Selection {
+        let extended = self.without_needless(extended, named);
+        let fullest = self.best_of_all(extended, |_| true);
+        Selection { visited: self.visited, baseline, named, extended, fullest }
+    }
+
     /// Keeps a fit; of two with the same terms the better.
-    fn visit(&mut self, fit: Fit) -> Option<usize> {
+    pub fn visit(&mut self, fit: Fit) -> Option<usize> {
         let mut ids = fit.ids();
         ids.sort_unstable();
         let same = |other: &Visited| {
@@ -147,7 +181,7 @@ impl Search<'_, '_> {
     }
 
     /// The model at `place`, or that with a third pole of the background where it is more probable.
-    fn with_third_pole(&mut self, place: usize) -> usize {
+    pub fn with_third_pole(&mut self, place: usize) -> usize {
         let before = self.visited[place].fit.clone();
         let prospects = screen(self.problem, &before, &[&RollOff, &SlowMoment]);
         let fits: Vec<Fit> =
@@ -158,7 +192,7 @@ impl Search<'_, '_> {
 
     /// The model at `before` with each named candidate that it lacks (a term beside its own special case says nothing twice); and
     /// itself, fitted again from where these ended.
-    fn one_more(&mut self, before: usize, candidates: &[&'static dyn Effect]) -> Round {
+    pub fn one_more(&mut self, before: usize, candidates: &[&'static dyn Effect]) -> Round {
         let fit = self.visited[before].fit.clone();
         let lacking = |e: &&'static dyn Effect| {
             let said = |known: &&'static dyn Effect| {
@@ -206,7 +240,8 @@ impl Search<'_, '_> {
         self.candidates.named.iter().copied().filter(near).collect()
     }
 
-    fn settle(&mut self, place: usize) -> usize {
+    /// The model at `place`, fitted from another background too.
+    pub fn settle(&mut self, place: usize) -> usize {
         let fit = settled(self.problem, self.visited[place].fit.clone());
         self.visit(fit).unwrap_or(place)
     }
@@ -228,7 +263,7 @@ impl Search<'_, '_> {
     }
 
     /// The most probable of all models that `count`, with the divisor of the terms of the one at hand.
-    fn best_of_all(&self, current: usize, count: impl Fn(&Visited) -> bool) -> usize {
+    pub fn best_of_all(&self, current: usize, count: impl Fn(&Visited) -> bool) -> usize {
         let divisor = self.visited[current].divisor(self.problem);
         let all = (0..self.visited.len()).filter(|&i| count(&self.visited[i]));
         let value = |i: usize| self.log_posterior(i, divisor) + if i == current { SAME } else { 0.0 };
@@ -258,15 +293,20 @@ impl Search<'_, '_> {
             }
             current = self.settle(best);
         }
-        if !self.problem.data.has_angle {
-            // Lags of sensor and actuator show alike: whichever was found first, the others are asked in its place.
-            self.visit_instead(current, |one, e| one.class().is_some() && one.class() == e.class());
-        }
+        self.visit_its_class(current);
         current
     }
 
+    /// Where no angle is measured, lags of sensor and actuator show alike: whichever was found first, the others are asked in its
+    /// place.
+    pub fn visit_its_class(&mut self, place: usize) {
+        if !self.problem.data.has_angle {
+            self.visit_instead(place, |one, e| one.class().is_some() && one.class() == e.class());
+        }
+    }
+
     /// The model at `place` without each of its terms in turn.
-    fn visit_without(&mut self, place: usize) -> Vec<usize> {
+    pub fn visit_without(&mut self, place: usize) -> Vec<usize> {
         let fit = self.visited[place].fit.clone();
         let terms: Vec<usize> = (0..fit.effects.len()).filter(|&i| !fit.effects[i].is_background()).collect();
         let fits: Vec<Fit> = terms.par_iter().filter_map(|&i| without(self.problem, &fit, i)).collect();

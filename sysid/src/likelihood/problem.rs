@@ -24,6 +24,8 @@ pub struct Problem<'a> {
     pub sizes: Amplitudes,
     /// For every run, which rows count in the criterion.
     pub counted: Vec<Vec<bool>>,
+    /// All data, where these are stretches of them.
+    whole: Option<&'a Dataset>,
 }
 
 /// A full set of values in the forms that the model takes.
@@ -86,7 +88,16 @@ impl<'a> Problem<'a> {
         for place in held_out {
             counted[place.run][place.rows.clone()].fill(false);
         }
-        Self { data, baseline, sizes: data.amplitudes(baseline.plant.inertia, baseline.plant.dm_du), counted }
+        let sizes = data.amplitudes(baseline.plant.inertia, baseline.plant.dm_du);
+        Self { data, baseline, sizes, counted, whole: None }
+    }
+
+    /// The same problem on stretches of the data; the signals have the sizes of all data.
+    pub fn in_part<'b>(&self, stretches: &'b Dataset) -> Problem<'b>
+    where
+        'a: 'b,
+    {
+        Problem { sizes: self.sizes, whole: Some(self.data), ..Problem::new(stretches, self.baseline, &[]) }
     }
 
     /// Number of residual channels.
@@ -355,8 +366,13 @@ impl<'a> Problem<'a> {
         Some(())
     }
 
-    /// The disturbance moment that the predictor with these values estimates over the longest run; empty where it diverges.
+    /// The disturbance moment that the predictor with these values estimates over the longest run of all data; empty where it
+    /// diverges.
     pub fn residual_moment(&self, effects: &[&'static dyn Effect], values: &[f64]) -> ResidualMoment {
+        if let Some(whole) = self.whole {
+            let all = Problem { sizes: self.sizes, ..Problem::new(whole, self.baseline, &[]) };
+            return all.residual_moment(effects, values);
+        }
         let lengths = self.data.runs.iter().map(Run::len).enumerate();
         let Some((longest, _)) = lengths.max_by_key(|(_, length)| *length) else {
             return ResidualMoment::default();
