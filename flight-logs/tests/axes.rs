@@ -230,7 +230,7 @@ fn real_logs_that_do_not_serve_say_what_to_set() {
             "no angular rate of pitch",
             Some("LOG_BITMASK=263999"),
         ),
-        ("mavlink/copter_2016_flight.tlog", 0, "log that the autopilot keeps", Some("LOG_BITMASK=524287")),
+        ("mavlink/copter_2016_flight.tlog", 0, "log that the autopilot keeps", Some("INS_LOG_BAT_MASK=0")),
         ("betaflight/bf4.2.11_bench_500Hz.bbl", 0, "too short", None),
     ] {
         let Some(path) = file(name) else { return };

@@ -99,9 +99,12 @@ fn output(log: &Log, motor: usize) -> Option<String> {
 pub(super) fn settings(log: &Log) -> Vec<Setting> {
     let now =
         log.parameter("LOG_BITMASK").filter(|mask| (0.0..4e9).contains(mask)).unwrap_or(DEFAULT_BITMASK);
-    let mask = (now as u32 | FAST_ATTITUDE | FAST_IMU).to_string();
-    let effect = "RATE and ATT (bit 0) and IMU (bit 18) in every loop, on top of what is logged now";
-    let mut settings = vec![Setting::new(log, "LOG_BITMASK", mask, effect)];
+    let mask = now as u32 | FAST_ATTITUDE | FAST_IMU;
+    let mut settings = Vec::new();
+    if mask != now as u32 {
+        let effect = "RATE and ATT (bit 0) and IMU (bit 18) in every loop, on top of what is logged now";
+        settings.push(Setting::new(log, "LOG_BITMASK", mask.to_string(), effect));
+    }
     if log.parameter("INS_LOG_BAT_MASK").is_none_or(|mask| mask != 0.0) {
         let effect = "no batches of vibration samples, which take the card's bandwidth";
         settings.push(Setting::new(log, "INS_LOG_BAT_MASK", "0", effect));
