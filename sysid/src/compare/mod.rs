@@ -138,13 +138,16 @@ pub fn compare(
         notes.push(ASSUMED.into());
     }
     let [before, after] = [&found[0], &found[1]];
-    let gain = |side: &Side| {
-        side.quantities
-            .iter()
-            .find(|q| q.quantity == Quantity::Effectiveness)
-            .map_or(0.0, |q| q.measured.value)
-    };
-    let turned = gain(before) * gain(after) < 0.0;
+    let turned = before.gain().value * after.gain().value < 0.0;
+    let unseen: Vec<&str> =
+        found.iter().zip(sides).filter(|(side, _)| !side.responds()).map(|(_, (name, _))| name).collect();
+    if !unseen.is_empty() {
+        notes.push(format!(
+            "{}: the interval of dM/du holds zero: what does not answer to the input has no effectiveness, damping, lag or delay to \
+             compare; excite the axis in flight",
+            unseen.join(" and ")
+        ));
+    }
     if turned {
         notes.push(
             "dM/du has another sign after than before: where the loop is closed that is the controller's answer to the motion, \
@@ -157,7 +160,8 @@ pub fn compare(
         .iter()
         .zip(&after.quantities)
         .map(|(b, a)| {
-            let pair = if turned && b.quantity.is_response() {
+            let told = !turned && unseen.is_empty();
+            let pair = if !told && b.quantity.is_response() {
                 [b, a].map(|found| statistics::Measured { deviation: f64::INFINITY, ..found.measured })
             } else {
                 [b.measured, a.measured]

@@ -179,6 +179,22 @@ impl Side {
     }
 }
 
+impl Side {
+    /// ∂M/∂u.
+    pub fn gain(&self) -> Measured {
+        let found = self.quantities.iter().find(|found| found.quantity == Quantity::Effectiveness);
+        found.map_or(Measured { value: 0.0, deviation: f64::INFINITY, freedom: f64::INFINITY }, |found| {
+            found.measured
+        })
+    }
+
+    /// Whether the craft answers to the input at all: the 95 % interval of ∂M/∂u does not hold zero.
+    pub fn responds(&self) -> bool {
+        let [low, high] = self.gain().estimate("dM_du", "").ci95;
+        low > 0.0 || high < 0.0
+    }
+}
+
 /// The baseline with a constant moment, a lag and, where asked, friction.
 pub fn fitted(problem: &Problem<'_>, friction: bool) -> Option<Fit> {
     let plain = fit_baseline(problem)?;
@@ -369,6 +385,23 @@ fn background(problem: &Problem<'_>, fit: &Fit, spans: &[Vec<Place>]) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gain_that_may_as_well_be_zero_is_no_response() {
+        let side = |value: f64, deviation: f64| {
+            let measured = Measured { value, deviation, freedom: f64::INFINITY };
+            let gain = Found {
+                quantity: Quantity::Effectiveness,
+                name: "dM_du",
+                unit: "N m/unit".into(),
+                measured,
+                usual: 1.0,
+            };
+            Side { quantities: vec![gain], parameters: Vec::new(), seconds: 60.0 }
+        };
+        assert!(side(383.0, 100.0).responds() && side(-383.0, 100.0).responds());
+        assert!(!side(383.0, 760.0).responds() && !side(383.0, f64::INFINITY).responds());
+    }
 
     #[test]
     fn only_what_was_flown_is_used() {
