@@ -11,9 +11,8 @@ fn every_real_recording_gets_a_verdict_without_nonsense() {
         return;
     };
     for file in files {
-        let name = file.to_string_lossy();
         // The oscillator's input was measured, not commanded.
-        let measured = name.contains("oscillator");
+        let measured = file.to_string_lossy().contains("oscillator");
         let input_hold = if measured { InputHold::Interpolated } else { InputHold::Held };
         let recording =
             read(&file, &ReadOptions { input_hold, ..ReadOptions::default() }).expect("the file reads");

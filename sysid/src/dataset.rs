@@ -131,6 +131,21 @@ pub struct Place {
     pub rows: Range<usize>,
 }
 
+/// The rows `wanted`, counted over runs of `lengths` one after the other: the index of each run that has some, and its rows.
+pub fn pieces(
+    lengths: impl IntoIterator<Item = usize>,
+    wanted: Range<usize>,
+) -> impl Iterator<Item = (usize, Range<usize>)> {
+    let mut before = 0;
+    let within = move |(run, length): (usize, usize)| {
+        let at = |row: usize| row.clamp(before, before + length) - before;
+        let rows = at(wanted.start)..at(wanted.end);
+        before += length;
+        (run, rows)
+    };
+    lengths.into_iter().enumerate().map(within).filter(|(_, rows)| !rows.is_empty())
+}
+
 impl Dataset {
     /// Puts the recordings of one vehicle together. All must have the same input unit; a channel is used when all
     /// recordings have it.

@@ -155,12 +155,12 @@ pub fn compare(
                 .into(),
         );
     }
+    let told = !turned && unseen.is_empty();
     let compared: Vec<(Quantity, [statistics::Measured; 2], f64)> = before
         .quantities
         .iter()
         .zip(&after.quantities)
         .map(|(b, a)| {
-            let told = !turned && unseen.is_empty();
             let pair = if !told && b.quantity.is_response() {
                 [b, a].map(|found| statistics::Measured { deviation: f64::INFINITY, ..found.measured })
             } else {

@@ -5,6 +5,7 @@
 //! realisations of one craft differ by more than their intervals.
 
 use super::side::{fitted, posed};
+use crate::dataset::pieces;
 use crate::likelihood::problem::Problem;
 use crate::model::file::ModelFile;
 use crate::recording::Recording;
@@ -43,18 +44,10 @@ pub fn responses(recordings: &[Recording], model: Option<&ModelFile>) -> Vec<Res
 /// The `k`-th of `count` equal shares of the rows of `segments`.
 fn share(segments: &[Range<usize>], k: usize, count: usize) -> Vec<Range<usize>> {
     let all: usize = segments.iter().map(ExactSizeIterator::len).sum();
-    let wanted = k * all / count..(k + 1) * all / count;
-    let mut before = 0;
-    let mut shares = Vec::new();
-    for segment in segments {
-        let at = |row: usize| segment.start + row.clamp(before, before + segment.len()) - before;
-        let rows = at(wanted.start)..at(wanted.end);
-        before += segment.len();
-        if rows.len() > 1 {
-            shares.push(rows);
-        }
-    }
-    shares
+    pieces(segments.iter().map(ExactSizeIterator::len), k * all / count..(k + 1) * all / count)
+        .map(|(i, rows)| segments[i].start + rows.start..segments[i].start + rows.end)
+        .filter(|rows| rows.len() > 1)
+        .collect()
 }
 
 fn response(part: &[Recording], model: Option<&ModelFile>) -> Option<Response> {

@@ -19,7 +19,7 @@ use super::Quantity;
 use super::parts::{Response, responses};
 use super::statistics::Measured;
 use crate::catalogue::find;
-use crate::dataset::{Dataset, Place};
+use crate::dataset::{Dataset, Place, Run, pieces};
 use crate::error::{Error, ErrorKind};
 use crate::estimate::Estimate;
 use crate::likelihood::evidence::Information;
@@ -177,9 +177,7 @@ impl Side {
             seconds,
         })
     }
-}
 
-impl Side {
     /// ∂M/∂u.
     pub fn gain(&self) -> Measured {
         let found = self.quantities.iter().find(|found| found.quantity == Quantity::Effectiveness);
@@ -226,19 +224,11 @@ fn spans(data: &Dataset) -> Vec<Vec<Place>> {
     let all = data.samples();
     let seconds: f64 = data.runs.iter().map(|run| run.len() as f64 * run.step).sum();
     let count = ((seconds / SPAN_S) as usize).clamp(SPANS[0], SPANS[1]);
-    let mut spans = vec![Vec::new(); count];
-    let mut before = 0;
-    for (run, r) in data.runs.iter().enumerate() {
-        for (k, span) in spans.iter_mut().enumerate() {
-            let at = |edge: usize| (edge * all / count).clamp(before, before + r.len()) - before;
-            let rows = at(k)..at(k + 1);
-            if !rows.is_empty() {
-                span.push(Place { label: format!("span {}", k + 1), run, rows });
-            }
-        }
-        before += r.len();
-    }
-    spans
+    let span = |k: usize| {
+        let place = |(run, rows)| Place { label: format!("span {}", k + 1), run, rows };
+        pieces(data.runs.iter().map(Run::len), k * all / count..(k + 1) * all / count).map(place).collect()
+    };
+    (0..count).map(span).collect()
 }
 
 /// Place of the first parameter of the effect called `id`, added or the baseline's own.

@@ -7,9 +7,9 @@
 
 use super::change_point::best_moment;
 use super::levels::MOST_TERMS;
-use super::posterior::{Selection, is_shape};
+use super::posterior::Selection;
 use super::selection::Search;
-use crate::dataset::{Beside, Dataset, Run};
+use crate::dataset::{Beside, Dataset, Run, pieces};
 use crate::likelihood::fit::{Fit, refit};
 use crate::likelihood::problem::Problem;
 use rayon::prelude::*;
@@ -31,20 +31,13 @@ pub fn excerpt(data: &Dataset) -> Option<Dataset> {
     if all <= FEW {
         return None;
     }
-    let mut runs = Vec::new();
-    let mut before = 0;
-    for run in &data.runs {
-        for stretch in 0..STRETCHES {
-            let first = stretch * all / STRETCHES;
-            let at = |row: usize| row.clamp(before, before + run.len()) - before;
-            let rows = at(first)..at(first + ENOUGH / STRETCHES);
-            if rows.len() > 1 {
-                runs.push(cut(run, rows));
-            }
-        }
-        before += run.len();
-    }
-    Some(Dataset { runs, ..data.clone() })
+    let stretch = |k: usize| {
+        let first = k * all / STRETCHES;
+        pieces(data.runs.iter().map(Run::len), first..first + ENOUGH / STRETCHES)
+    };
+    let rows = (0..STRETCHES).flat_map(stretch).filter(|(_, rows)| rows.len() > 1);
+    let runs = rows.map(|(run, rows)| cut(&data.runs[run], rows)).collect();
+    Some(Dataset { runs, ..*data })
 }
 
 /// Some rows of a run, without its sections.
@@ -95,33 +88,20 @@ pub fn carried(mut search: Search<'_, '_>, excerpt: &Problem<'_>, of: &Selection
     let baseline = search.best_of_all(0, |v| v.fit.effects.iter().all(|e| e.is_background()));
     // What acts from some moment on may lie between the stretches.
     let timed = search.candidates.acting_from_a_moment();
-    let best = |search: &Search<'_, '_>, place| {
-        search.best_of_all(place, |v| v.fit.effects.iter().all(|e| !is_shape(*e)))
-    };
-    let likeliest = best(&search, baseline);
+    let likeliest = search.best_named(baseline);
     let mut named = search.with_third_pole(likeliest);
     for _ in 0..MOST_TERMS {
         search.one_more(named, &timed);
         search.visit_without(named);
         search.visit_its_class(named);
-        let better = best(&search, named);
+        let better = search.best_named(named);
         if better == named {
             break;
         }
         named = search.settle(better);
     }
-    let names = |fit: &Fit| -> Vec<&'static str> {
-        let mut ids: Vec<_> = fit
-            .effects
-            .iter()
-            .filter(|e| !is_shape(**e) && !e.is_background())
-            .map(|e| e.about().id)
-            .collect();
-        ids.sort_unstable();
-        ids
-    };
-    let of_named = names(&search.visited[named].fit);
-    let extended = search.best_of_all(named, |v| names(&v.fit) == of_named);
+    let names = search.visited[named].names();
+    let extended = search.best_of_all(named, |v| v.names() == names);
     Some(search.selection(baseline, named, extended))
 }
 

@@ -71,8 +71,17 @@ impl Visited {
 
     /// Ids of its shapes, sorted.
     pub fn shapes(&self) -> Vec<&'static str> {
-        let shapes = self.fit.effects.iter().filter(|effect| is_shape(**effect));
-        let mut ids: Vec<&str> = shapes.map(|effect| effect.about().id).collect();
+        self.ids(is_shape)
+    }
+
+    /// Ids of its named terms, sorted.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.ids(|effect| !is_shape(effect) && !effect.is_background())
+    }
+
+    fn ids(&self, count: impl Fn(&'static dyn Effect) -> bool) -> Vec<&'static str> {
+        let counted = self.fit.effects.iter().filter(|effect| count(**effect));
+        let mut ids: Vec<&str> = counted.map(|effect| effect.about().id).collect();
         ids.sort_unstable();
         ids
     }

@@ -222,22 +222,22 @@ fn gains_by_block(
     after: &[Vec<Output>],
 ) -> Vec<f64> {
     // While the predictor settles its errors are the start's, and no model's.
-    let counted = |place: &Place| -> Vec<usize> {
-        place.rows.clone().filter(|&k| problem.counted[place.run][k]).collect()
+    let of_place = |place: &Place| -> (usize, Vec<usize>) {
+        (place.run, place.rows.clone().filter(|&k| problem.counted[place.run][k]).collect())
     };
+    let counted: Vec<(usize, Vec<usize>)> = places.iter().map(of_place).collect();
     let all = |of: &[Vec<Output>]| -> Vec<Output> {
-        places.iter().flat_map(|p| counted(p).into_iter().map(|k| of[p.run][k])).collect()
+        counted.iter().flat_map(|(run, rows)| rows.iter().map(|&k| of[*run][k])).collect()
     };
     let (a, b) = (weights(&all(before)), weights(&all(after)));
     let square = |w: &nalgebra::Matrix2<f64>, e: &Output| {
         w[(0, 0)] * e[0] * e[0] + 2.0 * w[(0, 1)] * e[0] * e[1] + w[(1, 1)] * e[1] * e[1]
     };
     let mut blocks = Vec::new();
-    for place in places {
-        let rows = ((BLOCK_S / problem.data.runs[place.run].step) as usize).max(1);
-        let gain =
-            |&k: &usize| a.1 - b.1 + square(&a.0, &before[place.run][k]) - square(&b.0, &after[place.run][k]);
-        blocks.extend(counted(place).chunks(rows).map(|block| block.iter().map(gain).sum::<f64>()));
+    for &(run, ref counted) in &counted {
+        let rows = ((BLOCK_S / problem.data.runs[run].step) as usize).max(1);
+        let gain = |&k: &usize| a.1 - b.1 + square(&a.0, &before[run][k]) - square(&b.0, &after[run][k]);
+        blocks.extend(counted.chunks(rows).map(|block| block.iter().map(gain).sum::<f64>()));
     }
     blocks
 }

@@ -5,8 +5,8 @@
 //! ln P(M | data) = ln E(M) + Σ_terms ln prior(term) + const
 //! ```
 //!
-//! E is the calibrated evidence of [`crate::likelihood::evidence`], the prior that of [`super::prior`]. A term is added while that raises the posterior; then
-//! every term is dropped, and exchanged for every other, until no such step does.
+//! E is the calibrated evidence of [`crate::likelihood::evidence`], the prior that of [`super::prior`]. A term is added while that
+//! raises the posterior; then every term is dropped, and exchanged for every other, until no such step does.
 
 use super::change_point::best_moment;
 use super::excerpt::{carried, excerpt};
@@ -270,6 +270,11 @@ impl Search<'_, '_> {
         all.max_by(|a, b| value(*a).total_cmp(&value(*b))).unwrap_or(current)
     }
 
+    /// The most probable of those without a shape.
+    pub fn best_named(&self, current: usize) -> usize {
+        self.best_of_all(current, |visited| visited.shapes().is_empty())
+    }
+
     /// Every term dropped, and exchanged for every candidate, until no such step is more probable.
     fn exchange(&mut self, mut current: usize) -> usize {
         for _ in 0..MOST_EXCHANGES {
@@ -286,8 +291,7 @@ impl Search<'_, '_> {
                     self.rounds.push(round);
                 }
             }
-            let named = |v: &Visited| v.fit.effects.iter().all(|e| !is_shape(*e));
-            let best = self.best_of_all(current, named);
+            let best = self.best_named(current);
             if best == current {
                 break;
             }
@@ -414,57 +418,4 @@ pub fn without(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<Fit> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::catalogue::{CATALOGUE, find};
-    use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model};
-    use crate::diagnosis::posterior::Finding;
-    use crate::likelihood::fit::fit_baseline;
-
-    /// What is selected for a flight of the model with another delay.
-    fn with_delay<T>(delay: f64, ask: impl Fn(&Problem<'_>, &Selection, Vec<Finding>) -> T) -> T {
-        fitted(&flight(1, 0.0).recording(), &model(GAIN, delay), |_, problem, _| {
-            let baseline = fit_baseline(problem).unwrap();
-            let selection = select(problem, baseline, CATALOGUE, &[], &|_| ()).unwrap();
-            let findings = selection.findings(problem, selection.extended);
-            ask(problem, &selection, findings)
-        })
-    }
-
-    #[test]
-    fn nothing_is_added_where_nothing_is_missing() {
-        with_delay(0.06, |problem, selection, findings| {
-            assert!(findings.is_empty());
-            assert_eq!((selection.named, selection.extended), (selection.baseline, selection.baseline));
-            assert_eq!(selection.gain(problem, selection.baseline), 0.0);
-        });
-    }
-
-    #[test]
-    fn a_wrong_delay_is_found_with_the_size_it_has_and_takes_the_whole_share() {
-        with_delay(0.1, |_, selection, findings| {
-            let [found] = findings.as_slice() else { panic!("{} terms", findings.len()) };
-            assert_eq!(found.effect.about().id, "extra_delay");
-            assert!(found.named && found.probability > 0.95 && found.share > 0.95, "{}", found.probability);
-            assert!(found.p_value < 1e-12 && found.without == Some(selection.baseline));
-            let fit = &selection.visited[selection.extended].fit;
-            assert!((fit.minimum.values.last().unwrap() + 0.04).abs() < 0.003);
-        });
-    }
-
-    #[test]
-    fn a_name_is_twice_as_likely_beforehand_as_a_shape_and_each_term_halves_the_odds() {
-        fitted(&flight(1, 0.0).recording(), &model(GAIN, 0.06), |_, problem, _| {
-            let candidates = Candidates::new(problem, CATALOGUE);
-            let lag = find("servo_lag").unwrap();
-            let (names, shapes) = (candidates.named.len() as f64, candidates.shapes.len() as f64);
-            let odds = |effects: &[&'static dyn Effect]| {
-                log_prior(effects, &candidates.named, candidates.shapes.len()).exp()
-            };
-            assert_eq!(odds(&[]), 1.0);
-            let (name, shape) = (odds(&[lag]) * names, odds(&candidates.shapes[..1]) * shapes);
-            assert!((name / shape - 2.0).abs() < 1e-9 && (name + shape - 0.5).abs() < 1e-9);
-            assert!((odds(&[lag, lag]) - odds(&[lag]).powi(2)).abs() < 1e-15);
-        });
-    }
-}
+mod tests;

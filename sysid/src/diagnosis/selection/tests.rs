@@ -1,0 +1,52 @@
+use super::*;
+use crate::catalogue::{CATALOGUE, find};
+use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model};
+use crate::diagnosis::posterior::Finding;
+use crate::likelihood::fit::fit_baseline;
+
+/// What is selected for a flight of the model with another delay.
+fn with_delay<T>(delay: f64, ask: impl Fn(&Problem<'_>, &Selection, Vec<Finding>) -> T) -> T {
+    fitted(&flight(1, 0.0).recording(), &model(GAIN, delay), |_, problem, _| {
+        let baseline = fit_baseline(problem).unwrap();
+        let selection = select(problem, baseline, CATALOGUE, &[], &|_| ()).unwrap();
+        let findings = selection.findings(problem, selection.extended);
+        ask(problem, &selection, findings)
+    })
+}
+
+#[test]
+fn nothing_is_added_where_nothing_is_missing() {
+    with_delay(0.06, |problem, selection, findings| {
+        assert!(findings.is_empty());
+        assert_eq!((selection.named, selection.extended), (selection.baseline, selection.baseline));
+        assert_eq!(selection.gain(problem, selection.baseline), 0.0);
+    });
+}
+
+#[test]
+fn a_wrong_delay_is_found_with_the_size_it_has_and_takes_the_whole_share() {
+    with_delay(0.1, |_, selection, findings| {
+        let [found] = findings.as_slice() else { panic!("{} terms", findings.len()) };
+        assert_eq!(found.effect.about().id, "extra_delay");
+        assert!(found.named && found.probability > 0.95 && found.share > 0.95, "{}", found.probability);
+        assert!(found.p_value < 1e-12 && found.without == Some(selection.baseline));
+        let fit = &selection.visited[selection.extended].fit;
+        assert!((fit.minimum.values.last().unwrap() + 0.04).abs() < 0.003);
+    });
+}
+
+#[test]
+fn a_name_is_twice_as_likely_beforehand_as_a_shape_and_each_term_halves_the_odds() {
+    fitted(&flight(1, 0.0).recording(), &model(GAIN, 0.06), |_, problem, _| {
+        let candidates = Candidates::new(problem, CATALOGUE);
+        let lag = find("servo_lag").unwrap();
+        let (names, shapes) = (candidates.named.len() as f64, candidates.shapes.len() as f64);
+        let odds = |effects: &[&'static dyn Effect]| {
+            log_prior(effects, &candidates.named, candidates.shapes.len()).exp()
+        };
+        assert_eq!(odds(&[]), 1.0);
+        let (name, shape) = (odds(&[lag]) * names, odds(&candidates.shapes[..1]) * shapes);
+        assert!((name / shape - 2.0).abs() < 1e-9 && (name + shape - 0.5).abs() < 1e-9);
+        assert!((odds(&[lag, lag]) - odds(&[lag]).powi(2)).abs() < 1e-15);
+    });
+}
