@@ -261,13 +261,13 @@ type Real = (&'static str, usize, f64, &'static [NoteKind]);
 #[test]
 fn real_recordings_are_readable_and_their_flaws_told() {
     let Some(folder) = shared("data/real") else { return };
-    use NoteKind::{Ignored, Repeated, Resampled, Snapped};
+    use NoteKind::{Ground, Ignored, Repeated, Resampled, Snapped};
     let cases: [Real; 7] = [
         ("variable_pitch_bed_1.csv", 2668, 0.02, &[]),
         ("fixed_pitch_bed_prbs.csv", 731, 0.01, &[Repeated]),
         ("fixed_pitch_bed_vrft_1.csv", 3940, 0.01, &[Repeated, Repeated]),
-        ("antx_open_doublet_1.csv", 13566, 0.004, &[Ignored, Resampled]),
-        ("antx_attstep_10deg.csv", 4203, 0.004, &[Ignored, Resampled]),
+        ("antx_open_doublet_1.csv", 13566, 0.004, &[Ignored, Resampled, Ground]),
+        ("antx_attstep_10deg.csv", 4203, 0.004, &[Ignored, Resampled, Ground]),
         ("servo_drive_estimation.csv", 6211, 0.004, &[]),
         ("oscillator_multisine.csv", 8570, 0.001_638_4, &[Snapped]),
     ];

@@ -123,11 +123,10 @@ pub fn compare(
 ) -> Result<Comparison, Error> {
     let mut notes = Vec::new();
     let sides = [("before", before), ("after", after)];
-    let recordings = sides.map(|(name, recordings)| side::airborne(name, recordings, &mut notes));
     // both at once: units and channels have to agree
-    Dataset::new(&recordings.concat())?;
+    Dataset::new(&[before, after].concat())?;
     let mut found = Vec::with_capacity(2);
-    for (recordings, (name, _)) in recordings.iter().zip(sides) {
+    for (name, recordings) in sides {
         progress(&format!("fitting {name}"));
         let mut noticed = Vec::new();
         found.push(Side::new(recordings, model, friction, &mut noticed)?);

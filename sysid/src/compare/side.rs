@@ -29,17 +29,10 @@ use crate::model::baseline::Baseline;
 use crate::model::effect::Effect;
 use crate::model::file::ModelFile;
 use crate::recording::{InputUnit, Recording};
-use std::ops::Range;
 
 /// Spans of the jackknife: as many as are this long, s, twice the blocks, within these bounds.
 const SPAN_S: f64 = 6.0;
 const SPANS: [usize; 2] = [8, 24];
-/// Share of the usual thrust below which a craft stands on the ground.
-const ON_GROUND: f64 = 0.5;
-/// Left out after take-off and before landing, s: the ground holds the craft.
-const NEAR_GROUND_S: f64 = 1.0;
-/// Shortest flight that is used, s.
-const SHORTEST_FLIGHT_S: f64 = 3.0;
 /// Size of a usual change of trim, as a share of full command.
 const USUAL_TRIM: f64 = 0.05;
 /// Sizes of usual changes, as shares of the quantity itself.
@@ -73,54 +66,6 @@ pub struct Side {
     pub parameters: Vec<Estimate>,
     /// Seconds of data.
     pub seconds: f64,
-}
-
-/// The recordings cut to what was flown, by the thrust where it was logged; told where something is left out.
-pub fn airborne(name: &str, recordings: &[Recording], notes: &mut Vec<String>) -> Vec<Recording> {
-    let mut all = recordings.to_vec();
-    for recording in &mut all {
-        let Some(flown) =
-            recording.thrust.as_deref().and_then(|t| flown(t, &recording.segments, recording.step))
-        else {
-            continue;
-        };
-        let rows = |ranges: &[Range<usize>]| ranges.iter().map(ExactSizeIterator::len).sum::<usize>();
-        let (kept, all) = (rows(&flown), rows(&recording.segments));
-        notes.push(format!(
-            "{name}: {:.1} of {:.1} s are used: the rest is on the ground or near it, by thrust_norm",
-            kept as f64 * recording.step,
-            all as f64 * recording.step
-        ));
-        recording.segments = flown;
-    }
-    all
-}
-
-/// The stretches in flight; `None` where all is, or none.
-fn flown(thrust: &[f64], segments: &[Range<usize>], step: f64) -> Option<Vec<Range<usize>>> {
-    let largest = thrust.iter().fold(0.0_f64, |most, &t| most.max(t));
-    let mut running: Vec<f64> = thrust.iter().copied().filter(|&t| t > 0.1 * largest).collect();
-    if running.is_empty() {
-        return None;
-    }
-    let middle = running.len() / 2;
-    let level = ON_GROUND * *running.select_nth_unstable_by(middle, f64::total_cmp).1;
-    if thrust.iter().all(|&t| t >= level) {
-        return None;
-    }
-    let (margin, shortest) = ((NEAR_GROUND_S / step) as usize, (SHORTEST_FLIGHT_S / step) as usize);
-    let mut stretches = Vec::new();
-    for segment in segments {
-        let mut start = segment.start;
-        for run in thrust[segment.clone()].chunk_by(|a, b| (*a >= level) == (*b >= level)) {
-            let rows = start + margin..(start + run.len()).saturating_sub(margin);
-            if run[0] >= level && rows.end > rows.start && rows.len() >= shortest {
-                stretches.push(rows);
-            }
-            start += run.len();
-        }
-    }
-    (!stretches.is_empty()).then_some(stretches)
 }
 
 /// The data less the mean of the input, what they are to be fitted with, and ū.
@@ -391,22 +336,5 @@ mod tests {
         };
         assert!(side(383.0, 100.0).responds() && side(-383.0, 100.0).responds());
         assert!(!side(383.0, 760.0).responds() && !side(383.0, f64::INFINITY).responds());
-    }
-
-    #[test]
-    fn only_what_was_flown_is_used() {
-        let mut thrust = vec![0.0; 1000];
-        thrust[200..500].fill(0.6);
-        thrust[700..800].fill(0.6);
-        assert_eq!(
-            flown(&thrust, &[Range { start: 0, end: 1000 }], 0.01),
-            None,
-            "a flight of 1 s away from the ground is too short"
-        );
-        thrust[100..600].fill(0.6);
-        let all = |rows: usize| [Range { start: 0, end: rows }];
-        assert_eq!(flown(&thrust, &all(1000), 0.01).as_deref(), Some(&[Range { start: 200, end: 500 }][..]));
-        assert_eq!(flown(&[0.5; 900], &all(900), 0.01), None);
-        assert_eq!(flown(&[0.0; 900], &all(900), 0.01), None);
     }
 }

@@ -14,7 +14,8 @@
 //! ```
 //!
 //! for even prior odds. Told as changed is what has p < [`LEVEL`] after Holm's correction for all quantities of the
-//! comparison (Scand. J. Stat. 6, 1979), and P(changed) ≥ [`SURE`].
+//! comparison (Scand. J. Stat. 6, 1979), P(changed) ≥ [`SURE`], and a 95 % interval beyond ± s/10: no two flights of one craft are the
+//! same to the last digit, and a tenth of a usual change matters to nobody.
 
 use crate::estimate::Estimate;
 use serde::Serialize;
@@ -24,6 +25,8 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 pub const LEVEL: f64 = 0.01;
 /// Least posterior probability of a change that is told.
 pub const SURE: f64 = 0.95;
+/// Share of a usual change that matters to nobody.
+const NEGLIGIBLE: f64 = 0.1;
 /// Probability with which an effect of the size that "would have been seen" is seen.
 const POWER: f64 = 0.9;
 /// Usual changes that an effect must have to be seen, beyond which the data cannot tell.
@@ -146,9 +149,12 @@ pub fn judge(pairs: &[([Measured; 2], f64)]) -> Vec<Difference> {
         let probability = probability(z, difference.deviation, pairs[i].1);
         let power = Normal::standard().inverse_cdf(POWER);
         let seen = (difference.quantile(level) + power) * difference.deviation;
-        let verdict = if adjusted[place] < LEVEL && probability >= SURE {
+        let beyond_chance = adjusted[place] < LEVEL;
+        let least = difference.value.abs() - difference.quantile(0.05) * difference.deviation;
+        let matters = least > NEGLIGIBLE * pairs[i].1;
+        let verdict = if beyond_chance && probability >= SURE && matters {
             Verdict::Changed
-        } else if seen <= COARSE * pairs[i].1 {
+        } else if !(beyond_chance && matters) && seen <= COARSE * pairs[i].1 {
             Verdict::Same
         } else {
             Verdict::CannotTell
@@ -159,11 +165,16 @@ pub fn judge(pairs: &[([Measured; 2], f64)]) -> Vec<Difference> {
     (0..pairs.len()).map(told).collect()
 }
 
+/// ln B of a difference `z` deviations from zero, `usual` the size of a usual one.
+#[must_use]
+pub fn log_odds(z: f64, deviation: f64, usual: f64) -> f64 {
+    let ratio = (usual / deviation).powi(2);
+    0.5 * (z * z * ratio / (1.0 + ratio) - ratio.ln_1p())
+}
+
 /// P(changed).
 fn probability(z: f64, deviation: f64, usual: f64) -> f64 {
-    let ratio = (usual / deviation).powi(2);
-    let log_odds = 0.5 * (z * z * ratio / (1.0 + ratio) - ratio.ln_1p());
-    1.0 / (1.0 + (-log_odds).exp())
+    1.0 / (1.0 + (-log_odds(z, deviation, usual)).exp())
 }
 
 /// p-values after Holm's correction.
@@ -201,6 +212,17 @@ mod tests {
         assert!((judged[0].z - 14.14).abs() < 0.5, "{:?}", judged[0]);
         assert!(judged[0].probability > 0.999 && judged[1].probability < 0.5);
         assert_eq!(judged[3].would_be_seen, None);
+    }
+
+    #[test]
+    fn what_matters_to_nobody_is_no_change() {
+        let told = |value: f64, deviation: f64| {
+            judge(&[([known(0.0, 0.0), known(value, deviation)], 0.05)])[0].verdict
+        };
+        assert_eq!(told(0.0047, 0.0008), Verdict::Same, "certain, and a tenth of a usual change");
+        assert_eq!(told(0.02, 0.0008), Verdict::Changed);
+        assert_eq!(told(0.02, 0.008), Verdict::Same);
+        assert_eq!(told(0.2, 0.06), Verdict::CannotTell, "beyond chance, and not sure");
     }
 
     #[test]

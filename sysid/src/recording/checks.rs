@@ -26,7 +26,7 @@ pub(super) fn inspect(table: &Table, grid: &Grid, notes: &mut Vec<Note>) {
     let of = |role: Role| table.signals.iter().find(|s| s.source.role == role);
     let (q, theta) = (of(Role::Q), of(Role::Theta));
     if let Some(input) = table.signals.iter().find(|s| s.source.role.is_input()) {
-        check_input(input, notes);
+        check_input(input, grid, notes);
     }
     for output in [q, theta].into_iter().flatten() {
         if is_constant(&output.values) {
@@ -46,8 +46,8 @@ pub(super) fn inspect(table: &Table, grid: &Grid, notes: &mut Vec<Note>) {
         _ => false,
     };
     if !told {
-        check_size(q, LARGEST_RATE, "rad/s", notes);
-        check_size(theta, LARGEST_ANGLE, "rad", notes);
+        check_size(q, grid, LARGEST_RATE, "rad/s", notes);
+        check_size(theta, grid, LARGEST_ANGLE, "rad", notes);
     }
 }
 
@@ -59,15 +59,11 @@ fn is_constant(values: &[f64]) -> bool {
     values.iter().all(|v| Some(v) == values.first())
 }
 
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, v| v.abs().max(most))
-}
-
 fn extremes(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
 }
 
-fn check_input(input: &Signal, notes: &mut Vec<Note>) {
+fn check_input(input: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
     if is_constant(&input.values) {
         let text = format!(
             "the input {} never changes ({}): what it was before the first row is unknown, and only motion that was under way then informs",
@@ -76,13 +72,14 @@ fn check_input(input: &Signal, notes: &mut Vec<Note>) {
         );
         notes.push(Note::new(NoteKind::DeadInput, text));
     } else if input.source.role == Role::Input(InputUnit::Rad) {
-        check_size(Some(input), LARGEST_BLADE_PITCH, "rad", notes);
+        check_size(Some(input), grid, LARGEST_BLADE_PITCH, "rad", notes);
     }
 }
 
-fn check_size(signal: Option<&Signal>, limit: f64, unit: &str, notes: &mut Vec<Note>) {
+fn check_size(signal: Option<&Signal>, grid: &Grid, limit: f64, unit: &str, notes: &mut Vec<Note>) {
     let Some(signal) = signal else { return };
-    let most = largest(&signal.values);
+    let used = grid.segments.iter().flat_map(|rows| &signal.values[rows.clone()]);
+    let most = used.fold(0.0_f64, |most, v| v.abs().max(most));
     if most > limit {
         let text = format!(
             "{} reaches {most:.4} {unit}, which looks like degrees; used as it is. If so: {}",

@@ -3,9 +3,10 @@
 //! What comes out is on a uniform grid in SI units: the step T (s) is the median of the differences of the time
 //! stamps, refined over the whole file; jitter of a few per cent of T is snapped to the grid, a step that varies more
 //! is resampled (input held unless [`InputHold::Interpolated`], outputs linear), and a gap splits the recording into
-//! segments. Nothing of this is silent: [`Recording::notes`] says what was done and what looks wrong.
+//! segments. What lies on the ground, where the thrust was logged, is in none of them. Nothing of this is silent: [`Recording::notes`] says what was done and what looks wrong.
 //! What cannot be used is an [`Error`] with file, line, column and advice.
 
+mod airborne;
 mod assign;
 mod binary;
 mod checks;
@@ -69,7 +70,7 @@ pub struct Recording {
     pub supervised: Vec<bool>,
     /// Named stretches in order of time, each inside one segment; rows labelled `-` belong to none.
     pub sections: Vec<Section>,
-    /// Stretches without a gap: they cover all rows.
+    /// Stretches without a gap: they cover all rows but those on the ground.
     pub segments: Vec<Range<usize>>,
     /// Step of the grid, s.
     pub step: f64,
@@ -116,6 +117,8 @@ pub enum NoteKind {
     Duplicate,
     /// Samples far from all around were left out.
     Wild,
+    /// What was not flown is not used.
+    Ground,
     /// A signal stays at its extreme value again and again.
     Clipped,
     /// A unit looks wrong.
@@ -223,7 +226,8 @@ fn on_grid(
 ) -> Result<Recording, Error> {
     sections::relabel(&mut table, options, &mut notes)?;
     wild::bridge(&mut table, &mut notes);
-    let grid = clock::onto_grid(&mut table, options, &mut notes)?;
+    let mut grid = clock::onto_grid(&mut table, options, &mut notes)?;
+    airborne::keep(&table, &mut grid, &mut notes);
     let sections = sections::runs(&table, &grid.segments);
     checks::inspect(&table, &grid, &mut notes);
 

@@ -239,7 +239,7 @@ pub fn of_recording(recording: &Recording, axis: Option<Axis>) -> ShownRecording
         time_s: span(&(0..recording.len())),
         columns: recording.columns.iter().map(|map| [map.target.clone(), map.source.label()]).collect(),
         sections: recording.sections.iter().map(section).collect(),
-        gaps: recording.segments.len().saturating_sub(1),
+        gaps: recording.t.windows(2).filter(|pair| pair[1] - pair[0] > 1.5 * recording.step).count(),
         excitation: spans(&series(&recording.u), rate.as_ref()),
         notes: recording.notes.iter().map(|note| note.text.clone()).collect(),
         curves: curves

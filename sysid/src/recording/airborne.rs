@@ -1,0 +1,125 @@
+//! What was flown: the ground holds a craft, so what it does there says nothing of its dynamics.
+//!
+//! A stretch lies on the ground where both say so: the thrust that was logged is below half of its usual value for a second or
+//! longer, and the rate is stiller there, by its median size, than half of what it is elsewhere. A throttle that is closed in
+//! flight fails the second, as does a rig that swings with its motors off.
+
+use super::clock::Grid;
+use super::columns::Role;
+use super::table::Table;
+use super::{Note, NoteKind};
+use std::ops::Range;
+
+/// Share of the usual thrust below which a craft may stand on the ground.
+const LOW: f64 = 0.5;
+/// Share of the largest thrust below which the motors count as off: the usual thrust is that of all else.
+const OFF: f64 = 0.1;
+/// Share of the usual size of the rate below which the craft is still.
+const STILL: f64 = 0.5;
+/// Shortest stop on the ground, s.
+const SHORTEST_STOP_S: f64 = 1.0;
+/// Left out at both ends of a flight, s: the ground holds the craft.
+const NEAR_GROUND_S: f64 = 1.0;
+/// Shortest flight that is used, s.
+const SHORTEST_FLIGHT_S: f64 = 3.0;
+
+/// Leaves the stretches in flight in `grid`, where the thrust was logged and something else is left out by that.
+pub(super) fn keep(table: &Table, grid: &mut Grid, notes: &mut Vec<Note>) {
+    let of = |role: Role| table.signals.iter().find(|signal| signal.source.role == role);
+    let (Some(thrust), Some(rate)) = (of(Role::Thrust), of(Role::Q)) else { return };
+    let Some(flown) = flown(&thrust.values, &rate.values, &grid.segments, grid.step) else { return };
+    let seconds =
+        |all: &[Range<usize>]| all.iter().map(ExactSizeIterator::len).sum::<usize>() as f64 * grid.step;
+    let text = format!(
+        "{:.1} of {:.1} s are used: the rest is on the ground or near it, by {} and {}",
+        seconds(&flown),
+        seconds(&grid.segments),
+        thrust.source.name,
+        rate.source.name
+    );
+    let used = |[from, to]: [f64; 2]| {
+        flown.iter().any(|rows| table.t[rows.start] <= to && from <= table.t[rows.end - 1])
+    };
+    notes.retain(|note| note.time_s.is_none_or(used));
+    notes.push(Note::new(NoteKind::Ground, text));
+    grid.segments = flown;
+}
+
+/// The stretches in flight; `None` where all is, or none.
+fn flown(thrust: &[f64], rate: &[f64], segments: &[Range<usize>], step: f64) -> Option<Vec<Range<usize>>> {
+    let largest = thrust.iter().fold(0.0_f64, |most, &t| most.max(t));
+    let level = LOW * median(thrust.iter().copied().filter(|&t| t > OFF * largest))?;
+    let size = |rows: Range<usize>| median(rate[rows].iter().map(|q| q.abs()));
+    let running = (0..thrust.len()).filter(|&k| thrust[k] >= level).map(|k| rate[k].abs());
+    let still = STILL * median(running)?;
+    let rows_of = |seconds: f64| (seconds / step).ceil() as usize;
+    let [stop, margin, shortest] = [SHORTEST_STOP_S, NEAR_GROUND_S, SHORTEST_FLIGHT_S].map(rows_of);
+    let (mut grounded, mut stretches) = (false, Vec::new());
+    for segment in segments {
+        let mut from = segment.start;
+        let mut fly = |rows: Range<usize>| {
+            // the end of a recording that has ground in it may be another take-off or landing
+            let rows = rows.start + margin..rows.end.saturating_sub(margin);
+            if rows.end > rows.start && rows.len() >= shortest {
+                stretches.push(rows);
+            }
+        };
+        let mut at = segment.start;
+        for run in thrust[segment.clone()].chunk_by(|a, b| (*a >= level) == (*b >= level)) {
+            let rows = at..at + run.len();
+            at = rows.end;
+            if run[0] < level && run.len() >= stop && size(rows.clone()).is_some_and(|q| q < still) {
+                grounded = true;
+                fly(from..rows.start);
+                from = rows.end;
+            }
+        }
+        fly(from..segment.end);
+    }
+    (grounded && !stretches.is_empty()).then_some(stretches)
+}
+
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(rows: usize) -> [Range<usize>; 1] {
+        [Range { start: 0, end: rows }]
+    }
+
+    fn moving(rows: Range<usize>) -> Vec<f64> {
+        (0..1000).map(|k| if rows.contains(&k) { f64::from(k as u32).sin() } else { 0.001 }).collect()
+    }
+
+    #[test]
+    fn only_what_was_flown_is_used() {
+        let mut thrust = vec![0.0; 1000];
+        thrust[200..500].fill(0.6);
+        thrust[700..800].fill(0.6);
+        let rate = moving(200..500);
+        assert_eq!(flown(&thrust, &rate, &all(1000), 0.01), None, "1 s away from the ground is too short");
+        thrust[100..600].fill(0.6);
+        let rate = moving(100..600);
+        assert_eq!(
+            flown(&thrust, &rate, &all(1000), 0.01).as_deref(),
+            Some(&[Range { start: 200, end: 500 }][..])
+        );
+    }
+
+    #[test]
+    fn what_moves_with_little_thrust_and_what_has_no_thrust_is_used() {
+        let mut thrust = vec![0.6; 1000];
+        thrust[300..600].fill(0.1);
+        assert_eq!(flown(&thrust, &moving(0..1000), &all(1000), 0.01), None);
+        thrust[300..600].fill(0.6);
+        thrust[300..380].fill(0.0);
+        assert_eq!(flown(&thrust, &moving(0..0), &all(1000), 0.01), None, "a blip is no stop");
+        assert_eq!(flown(&[0.0; 1000], &moving(0..1000), &all(1000), 0.01), None);
+    }
+}
