@@ -45,8 +45,9 @@ pub fn plain(x: f64) -> String {
     sysid::estimate::digits(x)
 }
 
-/// A value as it stands in a file of the user's.
+/// A value as it stands in a file of the user's, to six digits: a program may have written it with seventeen.
 pub fn as_given(x: f64) -> String {
+    let x = format!("{x:.5e}").parse().unwrap_or(x);
     if x != 0.0 && !(1e-4..LARGE).contains(&x.abs()) { format!("{x:e}") } else { format!("{x}") }
 }
 

@@ -3,6 +3,7 @@
 pub mod chip;
 
 use host_sim::{Background, Plant, Scenario, Setting, cost_of_leaving_out, fly};
+use std::path::{Path, PathBuf};
 use sysid::diagnosis::{Diagnosis, diagnose};
 use sysid::model::file::{ModelFile, PlantSection};
 use sysid::recording::{ReadOptions, Recording, parse};
@@ -55,11 +56,19 @@ pub fn diagnosed(recording: Recording) -> Diagnosis {
 }
 
 /// The CSV files of real rigs, in order of their names; `None` where they are not beside this checkout.
-pub fn real_recordings() -> Option<Vec<std::path::PathBuf>> {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/real");
+pub fn real_recordings() -> Option<Vec<PathBuf>> {
     let mut files: Vec<_> =
-        std::fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
+        std::fs::read_dir(beside("real")).ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
     files.retain(|file| file.extension().is_some_and(|extension| extension == "csv"));
     files.sort();
     Some(files)
+}
+
+/// The folder of flights of real vehicles; `None` where it is not beside this checkout.
+pub fn real_vehicles() -> Option<PathBuf> {
+    Some(beside("vehicles")).filter(|folder| folder.is_dir())
+}
+
+fn beside(folder: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(folder)
 }

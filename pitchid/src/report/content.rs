@@ -145,7 +145,11 @@ impl Content {
             },
             fit: fit_rows(answer, traces),
             checks: check_rows(answer),
-            effects: answer.effects.iter().map(effect_row).collect(),
+            effects: answer
+                .effects
+                .iter()
+                .map(|effect| effect_row(effect, by_balance(answer, effect)))
+                .collect(),
             remainder: remainder_words(answer),
             parameters: parameter_rows(answer, model.map(|(_, model)| model)),
             location: location_row(answer, traces),
@@ -265,28 +269,40 @@ fn remainder_words(answer: &Answer) -> Option<String> {
     Some(format!("{}: {:.1} % of what can be closed.{equation}{failed}", left.words, 100.0 * left.share))
 }
 
-fn effect_row(effect: &EffectAnswer) -> EffectRow {
+/// Whether only the balance of the means shows it.
+fn by_balance(answer: &Answer, effect: &EffectAnswer) -> bool {
+    effect.id == "trim_offset" && answer.balance.as_ref().is_some_and(|balance| balance.out_of_trim)
+}
+
+fn effect_row(effect: &EffectAnswer, by_balance: bool) -> EffectRow {
     let evidence = &effect.evidence;
     let chance =
         if evidence.p_value < 1e-12 { "< 1e-12".into() } else { format!("= {:.1e}", evidence.p_value) };
     let alternatives: Vec<String> =
         effect.alternatives.iter().map(|a| format!("{} ({:.0} %)", a.id, 100.0 * a.probability)).collect();
+    let sure = format!(
+        "probability {}, log evidence {}, p {chance}",
+        probability(effect.probability),
+        format::plain(evidence.log_evidence)
+    );
     EffectRow {
         id: effect.id.clone(),
         sentence: sentence(&effect.id),
         equation: effect.equation.clone(),
         locus: spoken(&effect.locus),
-        evidence: format!(
-            "probability {}, {:.0} % of what can be closed, log evidence {}, p {chance}; on held-out data, by this term alone: \
-             VAF {:+.1} ± {:.1} points, 2 ln likelihood {:+.0} ± {:.0}",
-            probability(effect.probability),
-            100.0 * effect.share,
-            format::plain(evidence.log_evidence),
-            evidence.vaf_gain_points.value,
-            evidence.vaf_gain_points.standard_error,
-            evidence.held_out_log_likelihood.value,
-            evidence.held_out_log_likelihood.standard_error,
-        ),
+        evidence: if by_balance {
+            format!("{sure}, by the mean of the command over time")
+        } else {
+            format!(
+                "{sure}, {:.0} % of what can be closed; on held-out data, by this term alone: \
+                 VAF {:+.1} ± {:.1} points, 2 ln likelihood {:+.0} ± {:.0}",
+                100.0 * effect.share,
+                evidence.vaf_gain_points.value,
+                evidence.vaf_gain_points.standard_error,
+                evidence.held_out_log_likelihood.value,
+                evidence.held_out_log_likelihood.standard_error,
+            )
+        },
         alternatives: (!alternatives.is_empty()).then(|| alternatives.join(", ")),
     }
 }

@@ -91,6 +91,7 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
         ],
         notes: vec![HOSTILE.into()],
         questions: Vec::new(),
+        balance: None,
     };
     answer.questions = questions(&answer);
     answer

@@ -42,7 +42,7 @@ mod stribeck_friction;
 mod structural_mode;
 mod thrust_curve;
 mod thrust_dependence;
-mod trim_offset;
+pub mod trim_offset;
 mod unilateral_spring;
 mod voltage_droop;
 

@@ -36,6 +36,9 @@ pub struct Answer {
     pub summary: String,
     /// The questions of a careful person, in their order.
     pub questions: Vec<Question>,
+    /// The command that holds the vehicle, where a controller does or nothing else could be asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub balance: Option<BalanceAnswer>,
     /// The terms added to the model, all of them and no others, largest share first.
     pub effects: Vec<EffectAnswer>,
     /// The effects that the user's model has, estimated again.
@@ -52,6 +55,15 @@ pub struct Answer {
     pub data_checks: Vec<DataCheck>,
     /// What was noticed about the recordings.
     pub notes: Vec<String>,
+}
+
+/// The balance of the means.
+#[derive(Clone, Debug, Serialize)]
+pub struct BalanceAnswer {
+    /// The command that holds the vehicle, and the model's.
+    pub words: String,
+    /// Whether they differ, and only the balance shows it: the constant moment is listed without a share.
+    pub out_of_trim: bool,
 }
 
 /// One effect that was added.

@@ -28,6 +28,7 @@ impl Answer {
     pub fn tell_of(&mut self, axis: &str) {
         let mut words: Vec<&mut String> = vec![&mut self.summary];
         words.extend(self.questions.iter_mut().map(|question| &mut question.answer));
+        words.extend(self.balance.iter_mut().map(|balance| &mut balance.words));
         words.extend(self.data_checks.iter_mut().map(|check| &mut check.words));
         words.extend(self.remainder.iter_mut().map(|remainder| &mut remainder.words));
         words.extend(self.location.iter_mut().map(|location| &mut location.condition));

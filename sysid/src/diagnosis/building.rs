@@ -56,6 +56,7 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
         verdict: judgement.verdict,
         summary: String::new(),
         questions: Vec::new(),
+        balance: None,
         effects: judgement.effects(&fit),
         in_model: judgement.in_model(&fit),
         remainder: judgement.remainder(&fit),

@@ -84,7 +84,7 @@ fn off_in_model(answer: &Answer) -> String {
 }
 
 /// Whether the answer's model tells at least half of the motion of parts held out, 1 s ahead or in the free run.
-fn predicts(answer: &Answer) -> bool {
+pub fn predicts(answer: &Answer) -> bool {
     let mean = |horizon: Option<&str>| mean_vaf(answer, &|h| &h.extended, horizon);
     mean(Some("1.0")).max(mean(None)) >= SEEN_IN_A_LOOP
 }

@@ -1,10 +1,12 @@
 //! The whole diagnosis: recordings and a baseline in, an answer out.
 
 use super::answer::{Answer, FitAnswer, Location, Verdict};
+use super::balance::Balance;
 use super::building::{build, model_answer};
 use super::ceiling::ceilings;
 use super::component::Component;
 use super::data_checks::{self, DataCheck, Loops};
+use super::describe::predicts;
 use super::excitation;
 use super::judgement::Judgement;
 use super::levels::PARTS;
@@ -123,18 +125,26 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         progress("fitting again with the input first: the loop is closed");
         answered(asked, &Baseline { input_first: true, ..baseline.clone() })
     };
-    let with_checks = |mut diagnosis: Diagnosis, checks: Vec<DataCheck>| {
+    let balance = Balance::new(data, baseline, model);
+    let with_checks = |mut diagnosis: Diagnosis, checks: Vec<DataCheck>, held: bool| {
+        if let Some(balance) = balance.as_ref().filter(|_| held) {
+            balance.write(&mut diagnosis.answer, &mut diagnosis.model);
+        }
         data_checks::write(&mut diagnosis.answer, checks);
         Ok(diagnosis)
     };
     if let Some(reason) = excitation::too_little(&problem) {
         checks.extend(data_checks::without_fit("too little to ask"));
-        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks);
+        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, false);
     }
     if data_checks::stop(&checks) {
         checks.extend(data_checks::without_fit("not asked before the others are put right"));
         let location = data_checks::everywhere(&checks, data);
-        return with_checks(unanswered(None, Verdict::CheckData, String::new(), Some(location)), checks);
+        return with_checks(
+            unanswered(None, Verdict::CheckData, String::new(), Some(location)),
+            checks,
+            false,
+        );
     }
     let places: Vec<_> = parts.iter().map(|part| part.places.clone()).collect();
     progress("fitting the baseline");
@@ -152,13 +162,13 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     let information = Information::new(&problem, &first, &places).ok_or_else(no_likelihood)?;
     if let Some(reason) = excitation::too_weak(&problem, &first, &information) {
         checks.extend(data_checks::without_fit("too weak to ask"));
-        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks);
+        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, true);
     }
     let selection = select(&problem, first, catalogue, &places, progress).ok_or_else(no_likelihood)?;
     let fitted = &selection.visited[selection.baseline];
     if let Some(reason) = excitation::too_weak(&problem, &fitted.fit, &fitted.information) {
         checks.extend(data_checks::without_fit("too weak to ask"));
-        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks);
+        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, true);
     }
     progress("checking the data");
     let extended = &selection.visited[selection.extended].fit;
@@ -172,7 +182,13 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
                       or move its set-point."
             .to_owned();
         checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));
-        return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks);
+        return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
+    }
+    let closed = loops.any_closed_unsaid() || loops.all_closed();
+    let richest = &selection.visited[selection.extended];
+    if closed && let Some(reason) = excitation::gain_unknown(&problem, &richest.fit, &richest.information) {
+        checks.extend(data_checks::without_fit("too weak to ask"));
+        return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
     }
     checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));
     if data_checks::stop(&checks) {
@@ -180,11 +196,14 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         return with_checks(
             unanswered(Some(fitted), Verdict::CheckData, String::new(), Some(location)),
             checks,
+            false,
         );
     }
     progress("holding out each section");
     let judgement = Judgement::new(&problem, &parts, selection, loops.any_closed_unsaid());
-    with_checks(build(&judgement, notes()), checks)
+    let found = build(&judgement, notes());
+    let held = closed || !predicts(&found.answer);
+    with_checks(found, checks, held)
 }
 
 /// What an answer without physics says.
@@ -217,6 +236,7 @@ fn unanswered(
             verdict: said.verdict,
             summary: said.summary,
             questions: Vec::new(),
+            balance: None,
             effects: Vec::new(),
             in_model: Vec::new(),
             remainder: None,

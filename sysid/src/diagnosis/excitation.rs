@@ -37,13 +37,7 @@ pub fn too_weak(problem: &Problem<'_>, baseline: &Fit, information: &Information
     if !problem.data.input_changes() {
         return at_rest(problem, baseline);
     }
-    let all = estimates(problem, baseline, Some(information));
-    let gain = all.iter().find(|e| e.name == "dM_du")?;
-    let half = 0.5 * (gain.ci95[1] - gain.ci95[0]);
-    let relative = half / gain.value.abs();
-    if relative <= WIDEST_GAIN_INTERVAL {
-        return None;
-    }
+    let reason = gain_unknown(problem, baseline, information)?;
     let places = problem.data.places();
     let reached = places.iter().filter_map(|place| {
         let run = &problem.data.runs[place.run];
@@ -53,11 +47,23 @@ pub fn too_weak(problem: &Problem<'_>, baseline: &Fit, information: &Information
     if reached.fold(0.0, f64::max) > EXPLAINED_BY_ANY {
         return None;
     }
-    Some(format!(
-        "The data cannot tell: the excitation is too weak against the noise, dM/du is known only to ±{:.0} %. \
-         Use a larger amplitude or a longer test.",
-        100.0 * relative
-    ))
+    Some(reason)
+}
+
+/// Why the data are too weak for a model of a loop that was closed, where an unstructured model of the input copies what the
+/// controller does: the gain of the model is not known.
+pub fn gain_unknown(problem: &Problem<'_>, fit: &Fit, information: &Information) -> Option<String> {
+    let all = estimates(problem, fit, Some(information));
+    let gain = all.iter().find(|e| e.name == "dM_du")?;
+    let half = 0.5 * (gain.ci95[1] - gain.ci95[0]);
+    let relative = half / gain.value.abs();
+    (relative > WIDEST_GAIN_INTERVAL).then(|| {
+        format!(
+            "The data cannot tell: the excitation is too weak against the noise, dM/du is known only to ±{:.0} %. \
+             Use a larger amplitude or a longer test.",
+            100.0 * relative
+        )
+    })
 }
 
 fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {

@@ -10,6 +10,7 @@ pub mod adequacy;
 pub mod answer;
 pub mod axes;
 pub mod axis_words;
+mod balance;
 mod building;
 mod ceiling;
 mod change_point;

@@ -3,7 +3,9 @@
 use super::answer::{Answer, EffectAnswer, Verdict, WithError};
 use super::data_checks::State;
 use super::describe::{in_a_phrase, percent};
+use crate::catalogue::trim_offset::TrimOffset;
 use crate::estimate::digits;
+use crate::model::effect::Effect;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -35,10 +37,19 @@ pub fn questions(answer: &Answer) -> Vec<Question> {
         Question { question: "Where is the delay?", answer: checked(answer, &["delay", "input_hold"]) },
         Question { question: "Are the gains right?", answer: checked(answer, &["input_sign", "rate_unit"]) },
     ];
-    if answer.verdict == Verdict::NotExcited {
+    if let Some(balance) = &answer.balance {
+        let answer =
+            format!("{}{}", if balance.out_of_trim { "not in the model's: " } else { "" }, balance.words);
+        all.push(Question { question: "Is it in trim?", answer });
+    }
+    if answer.fit.held_out.is_empty() {
         return all;
     }
-    if answer.effects.is_empty() {
+    let of_motion = |effect: &&EffectAnswer| {
+        !(effect.id == TrimOffset.about().id && answer.balance.as_ref().is_some_and(|b| b.out_of_trim))
+    };
+    let terms: Vec<&EffectAnswer> = answer.effects.iter().filter(of_motion).collect();
+    if terms.is_empty() {
         let answer = match answer.remainder {
             Some(_) => "nothing that has a name or a shape here; see what is left",
             None => "nothing that these data would show",
@@ -46,7 +57,7 @@ pub fn questions(answer: &Answer) -> Vec<Question> {
         let answer = answer.into();
         all.push(Question { question: "What is missing?", answer });
     }
-    for (i, effect) in answer.effects.iter().enumerate() {
+    for (i, effect) in terms.into_iter().enumerate() {
         let question = if i == 0 { "What is the strongest term that is missing?" } else { "And the next?" };
         all.push(Question { question, answer: term(answer, effect) });
     }

@@ -5,6 +5,7 @@ use super::{MethodResult, with_input_unit};
 use crate::catalogue::model_file::model_file;
 use crate::error::{Error, ErrorKind};
 use crate::estimate::Estimate;
+use crate::estimate::digits;
 use crate::identify::hinf_match::MountRange;
 use crate::identify::linear_model::LinearModel;
 use crate::identify::output_error::delay_profile::{DelayProfile, delay_profile};
@@ -35,6 +36,8 @@ pub(super) struct GreyBox {
     pub identifiability: Option<Identifiability>,
     pub delay: Option<DelayProfile>,
     pub model: ModelFile,
+    /// Why the plant is not in it, where it is not.
+    pub undetermined: Option<String>,
 }
 
 /// Fits the grey box with white and with coloured errors; one that holds effects of the user's own by the general
@@ -67,7 +70,11 @@ pub(super) fn fit_all(work: &Work, baseline: &Baseline, thorough: bool) -> Resul
     let unit = work.data.input_unit;
     let parameters = with_input_unit(found.parameters.clone(), unit);
     let mut model = model_file(&found.plant, &[], 0.0);
-    add_intervals(&mut model, &parameters);
+    let undetermined = undetermined(&found);
+    match undetermined {
+        Some(_) => (model.plant.delay_s, model.plant.dm_dq, model.plant.dm_du) = (None, None, None),
+        None => add_intervals(&mut model, &parameters),
+    }
     // from the best end: there is no need for further starts
     let (again, once_more) =
         (Options { several_starts: false, ..options }, Options { several_starts: false, ..coloured });
@@ -82,7 +89,27 @@ pub(super) fn fit_all(work: &Work, baseline: &Baseline, thorough: bool) -> Resul
         identifiability: if thorough { cannot_tell() } else { None },
         delay: if thorough { profile() } else { None },
         model,
+        undetermined,
     })
+}
+
+/// Why the data do not determine the plant, where they do not: a gain that may as well be zero, or a damping that is only said to be
+/// large.
+fn undetermined(found: &OutputErrorFit) -> Option<String> {
+    let of = |name: &str| found.parameters.iter().find(|estimate| estimate.name == name);
+    let gain = of("dM_du")?;
+    let [low, high] = gain.ci95;
+    let why = if low <= 0.0 && high >= 0.0 {
+        format!("the interval of dM_du, {} to {}, holds zero", digits(low), digits(high))
+    } else if found.on_bound.iter().any(|name| name == "dM_dq") && found.plant.dm_dq != 0.0 {
+        format!("dM_dq runs to its bound, {}", digits(found.plant.dm_dq))
+    } else {
+        return None;
+    };
+    Some(format!(
+        "these data do not determine the plant ({why}): a written model has its inertia alone, and a diagnosis estimates the rest; \
+         excite the axis"
+    ))
 }
 
 fn remark(found: &OutputErrorFit) -> String {
@@ -147,6 +174,7 @@ fn with_effects(work: &Work, baseline: &Baseline) -> Result<GreyBox, Error> {
         identifiability: None,
         delay: None,
         model,
+        undetermined: None,
     })
 }
 

@@ -159,7 +159,7 @@ pub fn identify_with(
     let baseline = Baseline::new(model, &data)?;
     let split = Split::for_validation(&data);
     let mut found = identify_on(&data, &split, &baseline, settings, progress)?;
-    found.notes = data.notes(recordings);
+    found.notes.extend(data.notes(recordings));
     if model.is_none() {
         found.notes.push(ASSUMED.into());
     }
@@ -214,7 +214,7 @@ pub fn identify_on(
         response: work.response(),
         training: labels(&split.training),
         held_out: labels(&split.held_out),
-        notes: Vec::new(),
+        notes: grey.undetermined.into_iter().collect(),
         model: grey.model,
     })
 }
