@@ -82,6 +82,7 @@ fn each_axis_is_compared_and_told_in_words() {
     for (arguments, says) in [
         (&["before.csv", "after.csv", "--axis", "pitch"][..], "no input column"),
         (&["before.csv", "no.csv"], "no.csv: no such file"),
+        (&["before.csv", "before.csv", "--time", "0..15"], "before and after are the same"),
         (&["before.csv", "after.csv", "--flight", "2"], "--flight is for flight logs"),
         (&["before.csv", "after.csv", "--time", "90..99"], "its clock runs from 0.000"),
     ] {

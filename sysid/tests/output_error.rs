@@ -9,12 +9,14 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use reference::{campaign, piece};
+use sysid::identify::compare::identify;
 use sysid::identify::fir::Piece;
 use sysid::identify::hinf_match::{MountRange, grey_box_response};
 use sysid::identify::output_error::delay_profile::delay_profile;
 use sysid::identify::output_error::identifiability::identifiability;
 use sysid::identify::output_error::{Noise, Options, Output, OutputErrorFit, fit, simulate};
 use sysid::model::plant::{Mount, Plant};
+use sysid::recording::parse;
 use sysid::validate::vaf::vaf;
 
 /// The plant of the nominal campaign.
@@ -330,4 +332,19 @@ fn errors_say_what_is_wrong() {
     refused(&[[vec![f64::NAN; 500], vec![0.1; 500]]], &START, "finite");
     refused(&data, &Plant { inertia: 0.0, ..START }, "inertia");
     refused(&[[vec![0.0; 500], vec![0.1; 500]]], &START, "does not show");
+}
+
+#[test]
+fn data_that_do_not_determine_the_plant_give_no_plant() {
+    let mut generator = Pcg64::seed_from_u64(5);
+    let mut text = "t_s,u_rad,q_rad_s\n".to_owned();
+    let u = prbs(&mut generator, 0.02, 3000);
+    for (k, u) in u.iter().enumerate() {
+        text += &format!("{},{u},{}\n", 0.02 * k as f64, 0.1 * normal(&mut generator));
+    }
+    let recording = parse("noise.csv", text.as_bytes(), &Default::default()).unwrap();
+    let found = identify(&[recording], None, &|_| ()).unwrap();
+    assert_eq!(found.model.plant.dm_du, None);
+    assert!(found.model.intervals.is_empty() && found.model.plant.inertia_kg_m2 == 1.0);
+    assert!(found.notes[0].starts_with("these data do not determine the plant"), "{:?}", found.notes);
 }

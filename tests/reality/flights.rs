@@ -4,7 +4,7 @@ use host_sim::{FreeFlight, Setting, Table, dirt};
 use sysid::diagnosis::answer::{Answer, Verdict};
 use sysid::diagnosis::axes::{AxisRecordings, shared_by};
 use sysid::model::file::ModelFile;
-use sysid::recording::{ReadOptions, Recording};
+use sysid::recording::{ReadOptions, Recording, parse};
 
 use crate::{ask, effect, entry, ids, is_right, model_of, read, read_with};
 
@@ -103,4 +103,60 @@ fn a_lag_of_the_rotors_that_roll_and_pitch_share_is_one_lag() {
     println!("{shared:?}");
     assert_eq!((shared.id, &shared.axes[..]), ("servo_lag", &["roll".to_owned(), "pitch".to_owned()][..]));
     assert!(is_right(&shared.parameter, 0.06, 0.15), "{:?}", shared.parameter);
+}
+
+/// A hover in gusts, nothing asked of it, with a constant moment.
+fn hovering(seed: u64, moment: f64) -> (Table, ModelFile) {
+    let trim = (moment != 0.0).then(|| effect("trim_offset", &[("M0", moment)]));
+    let effects = [effect("servo_lag", &[("T", 0.04)])].into_iter().chain(trim).collect();
+    let (table, mut model) = flown(seed, effects, |flight| {
+        let still = FreeFlight { set_points_rad: [0.0; 3], duration_s: 30.0, ..flight };
+        FreeFlight { angles_logged: false, ..still }.pitch_alone()
+    });
+    model.effects = vec![entry("servo_lag", &[("T", 0.04)])];
+    (table, model)
+}
+
+#[test]
+fn trim_is_told_of_a_hover_in_which_nothing_is_asked() {
+    let mut commands = 0;
+    for seed in 20..26 {
+        let (table, model) = hovering(seed, 0.05);
+        let answer = ask(&[read(&table)], Some(&model)).answer;
+        assert_eq!(ids(&answer)[..1], ["trim_offset"], "{seed}");
+        // where the loop is seen to be closed, the command is told as it is; the moment hangs on a gain of which a hover says little
+        if let Some(balance) = answer.balance {
+            let command =
+                balance.words.strip_prefix("to hold it takes ").and_then(|words| words.split(' ').next());
+            let command: f64 = command.expect("a command").parse().expect("a number");
+            assert!((command * model.plant.dm_du.expect("a gain") + 0.05).abs() < 0.002, "{seed}: {command}");
+            commands += 1;
+        }
+        let (table, model) = hovering(seed + 100, 0.0);
+        let answer = ask(&[read(&table)], Some(&model)).answer;
+        assert!(answer.balance.is_none_or(|balance| !balance.out_of_trim), "{seed}");
+        assert_ne!(answer.verdict, Verdict::Named, "{seed}");
+    }
+    assert!(commands >= 2, "{commands} of 6");
+}
+
+#[test]
+fn what_stands_on_the_ground_is_left_out() {
+    let (table, model) = hovering(40, 0.0);
+    let flight = read(&table);
+    // eight seconds of a still craft with its motors off, before and after
+    let mut text = "t_s,u_norm,q_rad_s,thrust_norm\n".to_owned();
+    let rates = flight.q.as_deref().expect("a rate");
+    let still = (8.0 / flight.step) as usize;
+    let rows =
+        (0..still).map(|_| (0.0, 0.0, 0.0)).chain(flight.u.iter().zip(rates).map(|(u, q)| (*u, *q, 0.5)));
+    for (k, (u, q, thrust)) in rows.chain((0..still).map(|_| (0.0, 0.0, 0.0))).enumerate() {
+        text += &format!("{},{u},{},{thrust}\n", k as f64 * flight.step, q + 1e-4 * (k as f64).sin());
+    }
+    let grounded = parse("ground.csv", text.as_bytes(), &ReadOptions::default()).expect("it reads");
+    let used: usize = grounded.segments.iter().map(ExactSizeIterator::len).sum();
+    let seconds = used as f64 * flight.step;
+    assert!((seconds - 28.0).abs() < 0.1, "{seconds} s of 30 are away from the ground");
+    assert!(grounded.notes.iter().any(|note| note.text.contains("on the ground")));
+    assert_eq!(ids(&ask(&[grounded], Some(&model)).answer), ids(&ask(&[flight], Some(&model)).answer));
 }

@@ -91,7 +91,7 @@ impl Setting {
     /// What it does, and whether the firmware of the log seems to be without it.
     #[must_use]
     pub fn effect(&self) -> String {
-        let missing = "; not among this log's parameters: a firmware without it has to be updated first";
+        let missing = "; not among this log's parameters: a firmware that has none of this name passes it over, or is updated";
         format!("{}{}", self.effect, if self.unknown { missing } else { "" })
     }
 }

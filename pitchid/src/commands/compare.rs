@@ -78,6 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut inputs = vec![arguments.before.as_path(), arguments.after.as_path()];
     inputs.extend(arguments.model.as_deref());
     output::check(arguments.json.as_deref(), &inputs)?;
+    refuse_itself(arguments)?;
     let options = options_with(arguments.input, &arguments.columns);
     let progress = Progress::start("reading");
     let sides = [side(arguments, &arguments.before, 0)?, side(arguments, &arguments.after, 1)?];
@@ -122,6 +123,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         None => output::print(&text(&answers)),
     }
+}
+
+/// Refuses the same part of the same file twice: it did not change.
+fn refuse_itself(arguments: &Arguments) -> Result<(), Failure> {
+    let file = |path: &Path| std::fs::canonicalize(path).ok();
+    let same_file = file(&arguments.before).is_some_and(|before| file(&arguments.after) == Some(before));
+    let differ = |given: &[String]| given.len() > 1 && given[0] != given[1];
+    let times: Vec<String> = arguments.time.iter().map(|span| format!("{span:?}")).collect();
+    let flights: Vec<String> = arguments.flight.iter().map(ToString::to_string).collect();
+    if !same_file || differ(&times) || differ(&flights) {
+        return Ok(());
+    }
+    Err(Failure::new(
+        format!("{}: before and after are the same", arguments.before.display()),
+        "give two files, or two parts of one: --time FROM..TO --time FROM..TO, or --flight N --flight M",
+    ))
 }
 
 /// One of the two.

@@ -241,7 +241,9 @@ fn fit_rows(answer: &Answer, traces: &[Trace]) -> Vec<FitRow> {
     }
     let ahead = |vaf: Option<&WithError>| {
         vaf.map_or("-".into(), |v| {
-            format!("{} ± {}", format::percent(v.value), format::percent(v.standard_error))
+            let error = v.standard_error;
+            let error = if error > 100.0 { "over 100".into() } else { format::percent(error) };
+            format!("{} ± {error}", format::percent(v.value))
         })
     };
     let row = |section: &&String| {

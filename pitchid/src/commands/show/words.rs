@@ -49,7 +49,7 @@ fn of_flight(flight: &ShownFlight) -> String {
 }
 
 fn of_axis(axis: &ShownAxis, flight: &ShownFlight) -> String {
-    let verdict = if axis.can_serve { "can serve" } else { "cannot serve" };
+    let verdict = if axis.can_serve { "its channels serve" } else { "cannot serve" };
     let mut text = heading(&format!("{}: {verdict}", axis.axis.to_uppercase()));
     let mut line = |words: &str| text += &indented(words, "  ", "    ");
     for channel in &axis.channels {
@@ -76,7 +76,11 @@ fn of_axis(axis: &ShownAxis, flight: &ShownFlight) -> String {
         let time = longest
             .map(|span| format!(" --time {}..{}", span.time_s[0].floor(), span.time_s[1].ceil()))
             .unwrap_or_default();
-        line(&format!("next: pitchid diagnose {} --axis {}{number}{time}", flight.files, axis.axis));
+        let files = &flight.files;
+        line(&format!(
+            "next, and whether the motion suffices: pitchid diagnose {files} --axis {}{number}{time}",
+            axis.axis
+        ));
     }
     text
 }
