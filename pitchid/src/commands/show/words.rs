@@ -49,7 +49,7 @@ fn of_flight(flight: &ShownFlight) -> String {
 }
 
 fn of_axis(axis: &ShownAxis, flight: &ShownFlight) -> String {
-    let verdict = if axis.can_serve { "its channels serve" } else { "cannot serve" };
+    let verdict = if axis.can_serve { "can be asked" } else { "cannot serve" };
     let mut text = heading(&format!("{}: {verdict}", axis.axis.to_uppercase()));
     let mut line = |words: &str| text += &indented(words, "  ", "    ");
     for channel in &axis.channels {
