@@ -82,14 +82,15 @@ impl Balance {
         Some(Self { command, unit: data.input_unit, model: model.map(of_model) })
     }
 
-    /// Writes it into an answer and its model. A vehicle that is out of the model's trim, and whose answer does not say so yet, has a
-    /// constant moment: that is an answer where nothing else could be asked.
+    /// Writes it into an answer and its model. A vehicle that is out of the model's trim has a constant moment where no other name
+    /// accounts for the mean, as one-sided friction would: that is an answer where nothing else could be asked.
     pub fn write(&self, answer: &mut Answer, model: &mut ModelFile) {
         if answer.verdict == Verdict::CheckData {
             return;
         }
         let id = TrimOffset.about().id;
-        let told = answer.effects.iter().any(|effect| effect.id == id);
+        let told = answer.effects.iter().any(|effect| effect.id == id)
+            || matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous);
         let out =
             self.model.as_ref().filter(|m| m.difference.verdict == statistics::Verdict::Changed && !told);
         answer.balance = Some(BalanceAnswer { words: self.words(), out_of_trim: out.is_some() });
