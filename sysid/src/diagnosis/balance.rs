@@ -14,7 +14,7 @@
 //! ```
 
 use super::answer::{Answer, BalanceAnswer, EffectAnswer, Evidence, Verdict, WithError};
-use super::describe::in_a_phrase;
+use super::describe::{in_a_phrase, predicts};
 use crate::catalogue::trim_offset::TrimOffset;
 use crate::compare::statistics::{self, Measured, judge};
 use crate::dataset::{Dataset, Run, pieces};
@@ -90,7 +90,7 @@ impl Balance {
         }
         let id = TrimOffset.about().id;
         let told = answer.effects.iter().any(|effect| effect.id == id)
-            || matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous);
+            || matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous) && predicts(answer);
         let out =
             self.model.as_ref().filter(|m| m.difference.verdict == statistics::Verdict::Changed && !told);
         answer.balance = Some(BalanceAnswer { words: self.words(), out_of_trim: out.is_some() });
