@@ -17,6 +17,7 @@ pub mod cycle;
 pub mod delay_line;
 pub mod health;
 pub mod lms;
+pub mod monitor;
 pub mod plan;
 pub mod prbs;
 pub mod supervisor;

@@ -35,6 +35,8 @@ pub struct Aircraft {
     step_s: f64,
     /// Factor on the background moment.
     gusts: f64,
+    /// Time before which the effects are not there, s, and the parameters from then on.
+    change: Option<(f64, Plant)>,
 }
 
 /// Where that comes from which goes on beside the pitch axis.
@@ -68,7 +70,22 @@ impl Aircraft {
             period_s: SAMPLE_PERIOD_S,
             step_s: STEP_S,
             gusts: 1.0,
+            change: None,
         }
+    }
+
+    /// Lets the effects begin at `from_s`, and the plant be another from then on: until then the aircraft is without them.
+    #[must_use]
+    pub fn changing_at(self, from_s: f64, plant: Plant) -> Self {
+        Self { change: Some((from_s, plant)), ..self }
+    }
+
+    fn acting(&self, t: f64) -> &[Box<dyn Effect>] {
+        if self.change.is_some_and(|(from_s, _)| t < from_s) { &[] } else { &self.effects }
+    }
+
+    fn acting_mut(&mut self, t: f64) -> &mut [Box<dyn Effect>] {
+        if self.change.is_some_and(|(from_s, _)| t < from_s) { &mut [] } else { &mut self.effects }
     }
 
     /// Holds commands for `period_s` instead of Ts, and integrates in steps of `step_s` at most. To be asked for before
@@ -157,7 +174,7 @@ impl Aircraft {
         let (q, theta) = (self.state.q_p, self.state.theta_p);
         let roll_yaw = self.beside(t).roll_yaw;
         let mut reading = Reading { q, theta, q_dot: self.q_dot, roll_yaw };
-        for effect in &mut self.effects {
+        for effect in self.acting_mut(t) {
             effect.measure(t, &mut reading);
         }
         reading
@@ -165,19 +182,19 @@ impl Aircraft {
 
     /// Limits a reading, after noise was added if there is to be any.
     pub fn limit(&self, reading: &mut Reading) {
-        self.effects.iter().for_each(|effect| effect.limit(reading));
+        self.acting(self.now()).iter().for_each(|effect| effect.limit(reading));
     }
 
     /// The time whose command the log shows at `t`, s.
     #[must_use]
     pub fn logged_at(&self, t: f64) -> f64 {
-        self.effects.iter().fold(t, |t, effect| effect.logged_at(t))
+        self.acting(t).iter().fold(t, |t, effect| effect.logged_at(t))
     }
 
     /// The parameters as they are at `t`.
     fn plant_at(&self, t: f64) -> Plant {
-        let mut plant = self.plant;
-        self.effects.iter().for_each(|effect| effect.plant(t, &mut plant));
+        let mut plant = self.change.filter(|(from_s, _)| t >= *from_s).map_or(self.plant, |(_, plant)| plant);
+        self.acting(t).iter().for_each(|effect| effect.plant(t, &mut plant));
         plant
     }
 
@@ -190,8 +207,8 @@ impl Aircraft {
         if let Some(background) = &mut self.background {
             background.extend_to(end);
         }
-        let added: f64 = self.effects.iter().map(|effect| effect.delay_s(t)).sum();
-        let delay = (self.plant.delay_s + added).max(0.0);
+        let added: f64 = self.acting(t).iter().map(|effect| effect.delay_s(t)).sum();
+        let delay = (self.plant_at(t).delay_s + added).max(0.0);
         // the small share keeps 0.06 / 0.02 at three samples
         let samples = (delay / self.period_s + 1e-9).floor();
         let change = (delay - samples * self.period_s).max(0.0);
@@ -218,14 +235,15 @@ impl Aircraft {
             let t = from + f64::from(step) * dt;
             let middle = t + dt / 2.0;
             let beside = self.beside(middle);
-            self.effects.iter_mut().for_each(|effect| effect.beside(&beside));
-            let blade = self.effects.iter_mut().fold(command, |u, effect| effect.blade(t, u, dt));
+            self.acting_mut(t).iter_mut().for_each(|effect| effect.beside(&beside));
+            let blade = self.acting_mut(t).iter_mut().fold(command, |u, effect| effect.blade(t, u, dt));
             let plant = self.plant_at(t);
             let background = strength * self.gusts * self.background.as_ref().map_or(0.0, |b| b.at(middle));
-            let moment =
-                |x: &State| background + self.effects.iter().map(|e| e.moment(middle, x, blade)).sum::<f64>();
+            let moment = |x: &State| {
+                background + self.acting(t).iter().map(|e| e.moment(middle, x, blade)).sum::<f64>()
+            };
             let before = self.state;
-            let dry_friction = self.effects.iter().fold([0.0; 2], |[upward, downward], effect| {
+            let dry_friction = self.acting(t).iter().fold([0.0; 2], |[upward, downward], effect| {
                 let added = effect.dry_friction(&before);
                 [upward + added[0], downward + added[1]]
             });
@@ -237,7 +255,7 @@ impl Aircraft {
             }
             self.state = after;
             let motion = Motion { t, dt, plant, blade, before, after };
-            self.effects.iter_mut().for_each(|effect| effect.follow(&motion));
+            self.acting_mut(t).iter_mut().for_each(|effect| effect.follow(&motion));
         }
     }
 }

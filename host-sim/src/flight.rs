@@ -93,22 +93,37 @@ pub fn fly(scenario: &Scenario) -> Result<Flight, Error> {
     fly_in(scenario, background)
 }
 
+/// Flies `scenario` in air of the strength and colour that another scenario of the same vehicle has, drawn afresh: an ordinary
+/// flight in the air of the identification.
+///
+/// # Errors
+/// As [`fly`].
+pub fn fly_in_air_of(other: &Scenario, scenario: &Scenario) -> Result<Flight, Error> {
+    scenario.plant.check()?;
+    fly_in(scenario, size_background(other)?)
+}
+
 fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Error> {
     let Scenario { seed, plant, ref effects, noise, plan, .. } = *scenario;
     let cycle = scenario.core().build::<TAPS>()?;
     let mut state = cycle.initial_state();
     let length_s = f64::from(plan.closed_loop_s);
-    let reference = ManualReference::drawn(length_s, &mut generator(seed, Stream::Reference));
+    let reference =
+        ManualReference::drawn(length_s, &mut generator(seed, Stream::Reference)).times(scenario.stick);
     let aircraft = Aircraft::new(plant, effects, background.moment(seed), seed);
     let mut aircraft = aircraft.among(scenario.others, seed);
     if background.air == Air::GrowsWithCommand {
         aircraft = aircraft.growing_with_command(f64::from(scenario.amplitude_rad));
     }
+    if let Some((from_s, changed)) = scenario.change {
+        aircraft = aircraft.changing_at(from_s, changed);
+    }
     let Others { roll, yaw, .. } = aircraft.others();
     let turns = roll || yaw;
     let log = Aircraft::new(plant, effects, None, seed);
     let mut vehicle = SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference)
-        .gusty_in(scenario.gusty);
+        .gusty_in(scenario.gusty)
+        .gusty_during(scenario.gusts.clone());
     if scenario.roll_yaw_logged || turns {
         vehicle = vehicle.logging_roll_yaw(generator(seed, Stream::RollYaw));
     }

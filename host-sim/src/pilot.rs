@@ -48,6 +48,13 @@ impl ManualReference {
         Self { pieces }
     }
 
+    /// The same, so many times as high.
+    #[must_use]
+    pub fn times(mut self, factor: f64) -> Self {
+        self.pieces.iter_mut().for_each(|piece| piece.height *= factor);
+        self
+    }
+
     /// θref (rad) `t_s` after the beginning of the section.
     #[must_use]
     pub fn at(&self, t_s: f64) -> f64 {

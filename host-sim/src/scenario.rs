@@ -62,6 +62,12 @@ pub struct Scenario {
     pub air: Air,
     /// A section in which that disturbance is so many times as strong.
     pub gusty: Option<(Section, f64)>,
+    /// Time before which the effects are not there, s, and the plant from then on; none where they always are.
+    pub change: Option<(f64, Plant)>,
+    /// The manual reference of section IV as a share of the usual one.
+    pub stick: f64,
+    /// Spans of time, s, in which that disturbance is so many times as strong.
+    pub gusts: Vec<([f64; 2], f64)>,
     /// Noise of the IMU.
     pub noise: Noise,
     /// Whether roll and yaw are logged even where they are clamped, as noise; where they are free they always are.
@@ -89,6 +95,9 @@ impl Scenario {
             background: Background::default(),
             air: Air::default(),
             gusty: None,
+            change: None,
+            stick: 1.0,
+            gusts: Vec::new(),
             noise: Noise::default(),
             roll_yaw_logged: false,
             others: Others::default(),

@@ -20,6 +20,7 @@ pub struct SimulatedVehicle {
     generator: Pcg64,
     roll_yaw_generator: Option<Pcg64>,
     gusty: Option<(Section, f64)>,
+    gusts: Vec<([f64; 2], f64)>,
     reference: ManualReference,
     closed_loop_ticks: u32,
     reading: Reading,
@@ -38,6 +39,7 @@ impl SimulatedVehicle {
             generator,
             roll_yaw_generator: None,
             gusty: None,
+            gusts: Vec::new(),
             reference,
             closed_loop_ticks: 0,
             reading: Reading::default(),
@@ -57,6 +59,12 @@ impl SimulatedVehicle {
     #[must_use]
     pub fn gusty_in(self, gusty: Option<(Section, f64)>) -> Self {
         Self { gusty, ..self }
+    }
+
+    /// Makes the background moment so many times as strong in spans of time, s.
+    #[must_use]
+    pub fn gusty_during(self, gusts: Vec<([f64; 2], f64)>) -> Self {
+        Self { gusts, ..self }
     }
 
     /// Rows of the recording, the true state at each of them, and the supervisor's transitions with their
@@ -100,9 +108,10 @@ impl Vehicle for SimulatedVehicle {
         }
         self.closed_loop_ticks += u32::from(telemetry.section == Section::IV);
         let RollYaw { p, r, phi } = self.reading.roll_yaw;
-        if let Some((section, factor)) = self.gusty {
-            self.aircraft.gust_by(if telemetry.section == section { factor } else { 1.0 });
-        }
+        let of_section = self.gusty.filter(|(section, _)| telemetry.section == *section);
+        let of_time = self.gusts.iter().find(|([from, to], _)| (*from..*to).contains(&t_s));
+        let factor = of_section.map(|(_, factor)| factor).or(of_time.map(|(_, factor)| *factor));
+        self.aircraft.gust_by(factor.unwrap_or(1.0));
         let (others, beside) = (self.aircraft.others(), self.aircraft.beside(t_s));
         self.rows.push(Row {
             t_s,

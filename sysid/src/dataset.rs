@@ -150,6 +150,23 @@ impl Dataset {
     /// Puts the recordings of one vehicle together. All must have the same input unit; a channel is used when all
     /// recordings have it.
     pub fn new(recordings: &[Recording]) -> Result<Self, Error> {
+        let mut data = Self::as_it_is(recordings)?;
+        data.thin();
+        Ok(data)
+    }
+
+    /// The same, with blocks of samples averaged to a period of about `step` s instead of one that the motion asks for.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn at_step(recordings: &[Recording], step: f64) -> Result<Self, Error> {
+        let mut data = Self::as_it_is(recordings)?;
+        let own = data.runs.first().map_or(step, |run| run.step);
+        data.average((step / own).round() as usize);
+        Ok(data)
+    }
+
+    fn as_it_is(recordings: &[Recording]) -> Result<Self, Error> {
         let Some(first) = recordings.first() else {
             return Err(Error::new(
                 ErrorKind::Options,
@@ -208,9 +225,7 @@ impl Dataset {
                 });
             }
         }
-        let mut data = Self { runs, input_unit: first.u_unit, has_rate, has_angle, thinned: 1 };
-        data.thin();
-        Ok(data)
+        Ok(Self { runs, input_unit: first.u_unit, has_rate, has_angle, thinned: 1 })
     }
 
     /// Averages blocks of samples where they are much denser than the motion is fast, down to [`THINNED_STEP`] at the
@@ -220,7 +235,10 @@ impl Dataset {
         let Some(step) = self.runs.first().map(|run| run.step) else { return };
         let rates: Vec<Vec<f64>> = self.runs.iter().map(Run::rate_or_slope).collect();
         let most = (THINNED_STEP / step + 1e-6) as usize;
-        let factor = (decorrelation(&rates) / SAMPLES_PER_DECORRELATION).min(most);
+        self.average((decorrelation(&rates) / SAMPLES_PER_DECORRELATION).min(most));
+    }
+
+    fn average(&mut self, factor: usize) {
         if factor >= 2 {
             self.runs =
                 self.runs.iter().map(|run| run.averaged(factor)).filter(|run| run.len() > 1).collect();

@@ -33,6 +33,7 @@ pub mod identify;
 pub mod likelihood;
 mod linalg;
 pub mod model;
+pub mod monitor;
 pub mod optim;
 pub mod recording;
 pub mod validate;

@@ -12,7 +12,7 @@ const ROOMS: [&[&str]; 10] = [
     &["catalogue"],
     &["optim", "validate"],
     &["likelihood"],
-    &["identify", "compare"],
+    &["identify", "compare", "monitor"],
     &["diagnosis"],
 ];
 

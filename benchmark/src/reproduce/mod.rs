@@ -3,6 +3,7 @@
 pub mod benchmarks;
 mod campaign;
 mod figures;
+pub mod monitor;
 pub mod page;
 mod study;
 

@@ -8,6 +8,7 @@ use crate::{output, text};
 use clap::Args;
 use std::path::PathBuf;
 use sysid::identify::compare::{Settings, identify_with};
+use sysid::monitor::{Design, design};
 
 /// Identifies the pitch dynamics by every method and judges each on data that it has not seen
 ///
@@ -32,6 +33,10 @@ pub struct Arguments {
     /// Write the identified grey box as a model file
     #[arg(long, value_name = "OUT.toml")]
     out_model: Option<PathBuf>,
+
+    /// Write what `pitchid monitor` and the board need to tell whether the craft still is what was identified
+    #[arg(long, value_name = "OUT.toml")]
+    monitor_out: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -40,12 +45,13 @@ Examples:
   pitchid identify flight.bin --axis roll
   pitchid identify flight.csv --taps taps.json
   pitchid identify test1.csv test2.csv --out-model fitted.toml --json fitted.json
+  pitchid identify flight.csv --monitor-out craft.toml
 
 Exit status: 0 identified; 2 the input could not be used.";
 
 /// Identifies.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let outputs = [&arguments.json, &arguments.out_model];
+    let outputs = [&arguments.json, &arguments.out_model, &arguments.monitor_out];
     let mut inputs = arguments.reading.inputs();
     inputs.extend(arguments.taps.as_deref());
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
@@ -63,8 +69,32 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.out_model {
         output::write(path, &found.model.to_toml()?)?;
     }
+    if let Some(path) = &arguments.monitor_out {
+        let made = design(&recordings, model)?;
+        output::write(path, &made.to_toml()?)?;
+        if !output::is_stdout(Some(path)) && !output::is_stdout(arguments.json.as_deref()) {
+            output::print(&format!("\n{}", text::paragraph(&monitor_told(&made))))?;
+        }
+    }
     if let Some(path) = &arguments.json {
         output::write(path, &output::json(&found)?)?;
     }
     Ok(())
+}
+
+/// What the monitor is, in words.
+fn monitor_told(made: &Design) -> String {
+    let [of, kept] = made.states;
+    let mut told = format!("monitor: {kept} states");
+    if kept < of {
+        told += &format!(
+            " of {of}; what the others would have moved the innovations by is at most {:.1e} deviations",
+            made.reduction_error
+        );
+    }
+    for note in &made.notes {
+        told += "; ";
+        told += note;
+    }
+    told
 }

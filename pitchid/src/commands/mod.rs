@@ -7,6 +7,7 @@ mod demo;
 mod diagnose;
 mod fly;
 mod identify;
+mod monitor;
 mod prove;
 mod reading;
 mod record;
@@ -33,6 +34,7 @@ Examples:
   pitchid diagnose flight.csv --model sim.toml --report flight.html
   pitchid identify test1.csv test2.csv --out-model fitted.toml
   pitchid compare before.csv after.csv                what changed on the craft
+  pitchid monitor flight.csv --monitor craft.toml     is the craft still what it was, and if not, what changed
   pitchid convert flight.ulg roll.csv --axis roll     a log's axis as a table
   pitchid reproduce paper --seeds 20
   pitchid simulate --effect coulomb_friction:Mc=0.1 --out friction.csv
@@ -51,6 +53,7 @@ enum Command {
     Diagnose(diagnose::Arguments),
     Fly(fly::Arguments),
     Identify(identify::Arguments),
+    Monitor(monitor::Arguments),
     Prove(prove::Arguments),
     Record(record::Arguments),
     Reproduce(reproduce::Arguments),
@@ -70,6 +73,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Fly(arguments) => fly::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Monitor(arguments) => monitor::run(&arguments),
         Command::Prove(arguments) => prove::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),

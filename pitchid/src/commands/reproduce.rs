@@ -1,6 +1,7 @@
 //! `pitchid reproduce`: a published experiment again, and public benchmarks.
 
 mod benchmarks;
+mod monitor;
 
 use super::reading::read_plain;
 use crate::failure::Failure;
@@ -23,6 +24,7 @@ pub struct Arguments {
 enum What {
     Paper(PaperArguments),
     Benchmarks(benchmarks::Arguments),
+    Monitor(monitor::Arguments),
 }
 
 /// Table 2 and figures 6 to 8 of Riccardi, Panizza, Lovera (ERF 2014), over many simulated campaigns
@@ -70,6 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.what {
         What::Paper(arguments) => run_paper(arguments),
         What::Benchmarks(arguments) => benchmarks::run(arguments),
+        What::Monitor(arguments) => monitor::run(arguments),
     }
 }
 

@@ -1,0 +1,228 @@
+//! `pitchid monitor`: whether the craft still is what was identified.
+
+use super::reading::Reading;
+use crate::failure::Failure;
+use crate::{output, text};
+use benchmark::canvas::{
+    Axes, BASELINE, EXTENDED, INK, MEASURED, SCALE, legend, mesh, px, standalone, svg, tick,
+};
+use clap::Args;
+use estimator_core::monitor::{Cause, Change, MonitorConfig, Verdict};
+use plotters::prelude::*;
+use serde_json::json;
+use std::path::PathBuf;
+use sysid::dataset::Dataset;
+use sysid::monitor::{Row, read_monitor, replay};
+
+/// Says of a flight whether the craft still is what was identified, and if not, what changed, by how much and since when
+///
+/// Runs the board's own monitor over the recording: the innovations of the identified model, and for each cause the evidence
+/// that they hold of it. Causes are effectiveness, added lag or delay, trim moment, damping, friction, gyro bias and gyro scale.
+/// The verdict follows the flight: it says so when a change has gone again, and when there is too little motion to tell.
+#[derive(Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    #[command(flatten)]
+    reading: Reading,
+
+    /// The monitor, as pitchid identify --monitor-out wrote it
+    #[arg(long, value_name = "MONITOR.toml")]
+    monitor: PathBuf,
+
+    /// Mean time between false alarms that is asked for, h; a bound from below
+    #[arg(long, value_name = "H", default_value_t = 10.0)]
+    run_length: f32,
+
+    /// Write the verdicts as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
+
+    /// Draw the evidence of each cause over time
+    #[arg(long, value_name = "OUT.svg")]
+    plot: Option<PathBuf>,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  pitchid identify bench.csv --monitor-out craft.toml
+  pitchid monitor flight.csv --monitor craft.toml --plot evidence.svg
+  pitchid identify flight.ulg --axis roll --time 20..80 --monitor-out craft.toml
+  pitchid monitor flight.ulg --axis roll --time 80..200 --monitor craft.toml
+
+Exit status: 0 replayed, whatever it says; 2 the input could not be used.";
+
+/// Points that are drawn of a run.
+const POINTS: usize = 1500;
+/// Causes whose evidence reaches this share of the threshold are drawn in colour.
+const SHOWN: f32 = 0.5;
+
+/// Monitors.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let outputs = [&arguments.json, &arguments.plot];
+    let mut inputs = arguments.reading.inputs();
+    inputs.push(&arguments.monitor);
+    output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
+    let (model, step) = read_monitor(&arguments.monitor)?;
+    let config = MonitorConfig { run_length_h: arguments.run_length, ..MonitorConfig::default() };
+    let refuse = |error: estimator_core::ConfigError| {
+        Failure::new(error.to_string(), "choose a --run-length within it")
+    };
+    let monitor = config.build(&model).map_err(refuse)?;
+    let data = Dataset::at_step(&arguments.reading.recordings()?, step)?;
+    if let Some(run) = data.runs.iter().find(|run| (run.step / step - 1.0).abs() > 0.02) {
+        return Err(Failure::new(
+            format!(
+                "the recording has a sample every {:.4} s, the monitor was made for {step:.4} s",
+                run.step
+            ),
+            "identify the monitor from a recording of the same rate",
+        ));
+    }
+    let runs = replay(&monitor, &data);
+    let events: Vec<Vec<Event>> = runs.iter().map(|rows| events(rows)).collect();
+    let quiet = outputs.into_iter().any(|path| output::is_stdout(path.as_deref()));
+    if !quiet {
+        output::print(&told(&runs, &events))?;
+    }
+    if let Some(path) = &arguments.plot {
+        output::write(path, &standalone(&picture(&runs)?))?;
+    }
+    let Some(path) = &arguments.json else { return Ok(()) };
+    let answer = json!({
+        "schema": "pitchid.monitoring/1",
+        "run_length_h": arguments.run_length,
+        "stretches": runs.iter().zip(&events).map(|(rows, events)| json!({
+            "from_s": rows.first().map(|row| row.t),
+            "to_s": rows.last().map(|row| row.t),
+            "events": events.iter().map(Event::json).collect::<Vec<_>>(),
+            "most_evidence": Cause::ALL.iter().zip(most(rows)).map(|(cause, most)| (cause.name(), most)).collect::<std::collections::BTreeMap<_, _>>(),
+        })).collect::<Vec<_>>(),
+    });
+    output::write(path, &output::json(&answer)?)
+}
+
+/// A change of the verdict.
+struct Event {
+    t: f64,
+    /// When that which is told began, s.
+    since: Option<f64>,
+    verdict: Verdict,
+}
+
+/// The changes of the verdict; one that was told carries the size that it had when it was taken back, or at the end.
+fn events(rows: &[Row]) -> Vec<Event> {
+    let mut all: Vec<Event> = Vec::new();
+    let time = |tick: u32| rows.get(tick as usize).map(|row| row.t);
+    for row in rows {
+        let verdict = row.report.verdict;
+        let since = match verdict {
+            Verdict::Changed(change) | Verdict::OneOf(change, _) => time(change.since),
+            Verdict::SomethingElse { since } => time(since),
+            Verdict::AsIdentified | Verdict::CannotTell(_) => None,
+        };
+        match all.last_mut().filter(|_| !row.report.changed) {
+            Some(last) => (last.verdict, last.since) = (verdict, last.since.or(since)),
+            None => all.push(Event { t: row.t, since, verdict }),
+        }
+    }
+    all
+}
+
+impl Event {
+    fn words(&self) -> String {
+        let since = self.since.map_or(String::new(), |since| format!(" since {since:.1} s"));
+        match self.verdict {
+            Verdict::Changed(change) => format!("changed: {change}{since}"),
+            Verdict::OneOf(a, b) => format!("changed: {a}, or {b}{since}"),
+            Verdict::SomethingElse { .. } => format!("changed: something else{since}"),
+            other => other.to_string(),
+        }
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let of = |change: Change| {
+            let (unit, per) = change.cause.unit();
+            let [size, interval] = [change.size * per, change.interval * per].map(f64::from);
+            json!({ "cause": change.cause.name(), "value": size, "unit": unit, "ci95": [size - interval, size + interval] })
+        };
+        let changes: Vec<_> = match self.verdict {
+            Verdict::Changed(change) => vec![of(change)],
+            Verdict::OneOf(a, b) => vec![of(a), of(b)],
+            _ => Vec::new(),
+        };
+        json!({ "t_s": self.t, "since_s": self.since, "verdict": self.words(), "changes": changes })
+    }
+}
+
+/// Largest evidence of each cause over the threshold.
+fn most(rows: &[Row]) -> [f32; Cause::ALL.len()] {
+    let mut most = [0.0_f32; Cause::ALL.len()];
+    for row in rows {
+        most.iter_mut().zip(row.report.evidence).for_each(|(most, evidence)| *most = most.max(evidence));
+    }
+    most
+}
+
+fn told(runs: &[Vec<Row>], events: &[Vec<Event>]) -> String {
+    let mut told = String::new();
+    for (rows, events) in runs.iter().zip(events) {
+        let (Some(first), Some(last)) = (rows.first(), rows.last()) else { continue };
+        told += &text::heading(&format!("{:.1} to {:.1} s", first.t, last.t));
+        for event in events {
+            told += &format!("{:9.1} s  {}\n", event.t, event.words());
+        }
+        let mut most: Vec<_> = Cause::ALL.iter().zip(most(rows)).collect();
+        most.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let named: Vec<String> =
+            most.iter().take(3).map(|(cause, most)| format!("{} {most:.2}", cause.name())).collect();
+        told += &text::paragraph(&format!("Largest evidence over the threshold: {}.", named.join(", ")));
+    }
+    told
+}
+
+/// Evidence of each cause over time.
+fn picture(runs: &[Vec<Row>]) -> Result<String, Failure> {
+    let rows: Vec<&Row> = runs.iter().flatten().collect();
+    let every = rows.len().div_ceil(POINTS).max(1);
+    let largest: Vec<f32> = (0..Cause::ALL.len())
+        .map(|place| rows.iter().map(|row| row.report.evidence[place]).fold(0.0, f32::max))
+        .collect();
+    let mut order: Vec<usize> = (0..Cause::ALL.len()).filter(|&place| largest[place] >= SHOWN).collect();
+    order.sort_by(|&a, &b| largest[b].total_cmp(&largest[a]));
+    let colours = [EXTENDED, BASELINE, INK];
+    let top = f64::from(largest.iter().copied().fold(1.0, f32::max)) * 1.1;
+    let (from, to) = (rows.first().map_or(0.0, |row| row.t), rows.last().map_or(1.0, |row| row.t));
+    let named = order
+        .iter()
+        .take(colours.len())
+        .zip(colours)
+        .map(|(&place, colour)| (Cause::ALL[place].name(), colour));
+    let picture = svg([900, 260], "evidence of each cause over time", |area| {
+        let (head, body) = area.split_vertically(px(26));
+        legend(&head, named.chain([("other causes", MEASURED)]))?;
+        let mut chart = ChartBuilder::on(&body)
+            .margin_top(px(6))
+            .margin_right(px(12))
+            .x_label_area_size(px(32))
+            .y_label_area_size(px(56))
+            .build_cartesian_2d(from..to, 0.0..top)
+            .map_err(|e| e.to_string())?;
+        mesh(&mut chart, &Axes { labels: [9, 5], x: "time, s", y: "evidence (1: told)" }, &tick)?;
+        let threshold = LineSeries::new([(from, 1.0), (to, 1.0)], INK.stroke_width(SCALE));
+        chart.draw_series(threshold).map_err(|e| e.to_string())?;
+        for place in 0..Cause::ALL.len() {
+            let rank = order.iter().position(|&of| of == place);
+            let colour = rank.and_then(|rank| colours.get(rank)).copied().unwrap_or(MEASURED);
+            for run in runs {
+                let points = run.chunks(every).map(|chunk| {
+                    let most = chunk.iter().map(|row| row.report.evidence[place]).fold(0.0, f32::max);
+                    (chunk[0].t, f64::from(most))
+                });
+                let line = LineSeries::new(points, colour.stroke_width(SCALE * 3 / 2));
+                chart.draw_series(line).map_err(|e| e.to_string())?;
+            }
+        }
+        Ok(())
+    });
+    Ok(picture?)
+}

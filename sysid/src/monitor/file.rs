@@ -1,0 +1,194 @@
+//! The monitor's model as a file: what `pitchid identify --monitor-out` writes and `pitchid monitor` reads.
+
+use super::Design;
+use crate::error::{Error, ErrorKind};
+use estimator_core::monitor::{CAUSES, Cause, Column, MonitorModel, Rows, SIZES, Test, Transition};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+const SCHEMA: &str = "pitchid.monitor/1";
+const HELP: &str = "write it again with pitchid identify --monitor-out";
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    schema: String,
+    /// Sample period, s.
+    step_s: f64,
+    predictor: PredictorSection,
+    cause: Vec<CauseSection>,
+}
+
+/// Fields of [`MonitorModel`].
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PredictorSection {
+    transition: Transition,
+    moment: Column,
+    correction: [Column; 2],
+    output: Rows,
+    whitening: [f32; 3],
+    rest: [f32; 2],
+    gain: f32,
+    delay_samples: f32,
+    delay_fraction: f32,
+    lag: [f32; 2],
+    friction_rate: f32,
+    trim: [f32; 2],
+    bias: [f32; 2],
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CauseSection {
+    name: String,
+    dead_zone: f32,
+    calibration: f32,
+    onset: [f32; 2],
+    sizes: [f32; SIZES],
+}
+
+impl Design {
+    /// The model as TOML.
+    ///
+    /// # Errors
+    /// None that a caller could cause.
+    pub fn to_toml(&self) -> Result<String, Error> {
+        let MonitorModel {
+            transition,
+            moment,
+            correction,
+            output,
+            whitening,
+            rest,
+            gain,
+            delay_samples,
+            delay_fraction,
+            lag,
+            friction_rate,
+            trim,
+            bias,
+            tests,
+        } = self.model;
+        let predictor = PredictorSection {
+            transition,
+            moment,
+            correction,
+            output,
+            whitening,
+            rest,
+            gain,
+            delay_samples,
+            delay_fraction,
+            lag,
+            friction_rate,
+            trim,
+            bias,
+        };
+        let cause = Cause::ALL.iter().zip(tests).map(|(cause, test)| {
+            let Test { dead_zone, calibration, onset, sizes } = test;
+            CauseSection { name: cause.name().into(), dead_zone, calibration, onset, sizes }
+        });
+        let file = File { schema: SCHEMA.into(), step_s: self.step, predictor, cause: cause.collect() };
+        toml::to_string(&file).map_err(|error| {
+            Error::new(ErrorKind::Model, format!("the monitor's file could not be made: {error}"), HELP)
+        })
+    }
+}
+
+/// Reads a monitor's model: the model and its sample period, s.
+///
+/// # Errors
+/// A file that cannot be read, that is no monitor, or that no board would run; with the line where there is one.
+pub fn read_monitor(path: &Path) -> Result<(MonitorModel, f64), Error> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| Error::from_io(&name, &error))?;
+    parse(&text).map_err(|error| error.in_file(name))
+}
+
+fn parse(text: &str) -> Result<(MonitorModel, f64), Error> {
+    let refuse = |found: String| Error::new(ErrorKind::Model, found, HELP);
+    let file: File = toml::from_str(text).map_err(|error| {
+        let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+        refuse(error.message().to_owned()).at_line(line)
+    })?;
+    if file.schema != SCHEMA || !(file.step_s > 0.0 && file.step_s < 1.0) {
+        return Err(refuse(format!("{:?} with a step of {} s", file.schema, file.step_s))
+            .expecting(format!("{SCHEMA:?} with a step between 0 and 1 s")));
+    }
+    let names: Vec<&str> = file.cause.iter().map(|cause| cause.name.as_str()).collect();
+    if names != Cause::ALL.map(Cause::name) {
+        return Err(
+            refuse(format!("causes {}", names.join(", "))).expecting(Cause::ALL.map(Cause::name).join(", "))
+        );
+    }
+    let mut tests =
+        [Test { dead_zone: 0.0, calibration: 1.0, onset: [1.0, 0.0], sizes: [0.0; SIZES] }; CAUSES];
+    for (test, CauseSection { dead_zone, calibration, onset, sizes, .. }) in tests.iter_mut().zip(file.cause)
+    {
+        *test = Test { dead_zone, calibration, onset, sizes };
+    }
+    let p = file.predictor;
+    let model = MonitorModel {
+        transition: p.transition,
+        moment: p.moment,
+        correction: p.correction,
+        output: p.output,
+        whitening: p.whitening,
+        rest: p.rest,
+        gain: p.gain,
+        delay_samples: p.delay_samples,
+        delay_fraction: p.delay_fraction,
+        lag: p.lag,
+        friction_rate: p.friction_rate,
+        trim: p.trim,
+        bias: p.bias,
+        tests,
+    };
+    model.check().map_err(|refusal| refuse(refusal.to_string()))?;
+    Ok((model, file.step_s))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::design;
+    use crate::recording::{ReadOptions, parse as parse_recording};
+
+    fn made() -> Design {
+        let (mut q, mut theta, mut noise) = (0.0_f64, 0.0, 1_u32);
+        let mut text = String::from("t_s,u_rad,q_rad_s,theta_rad\n");
+        for k in 0..3000 {
+            let mut random = || {
+                noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from(noise >> 8) / 16_777_216.0 - 0.5
+            };
+            let u = if (k / 25 + k / 70) % 2 == 0 { 0.015 } else { -0.015 };
+            let t = 0.02 * f64::from(k);
+            text += &format!("{t},{u},{},{}\n", q + 0.03 * random(), theta + 0.003 * random());
+            theta += 0.02 * q;
+            q += 0.02 * (-1.5 * q + 135.0 * u - 4.0 * theta + 0.6 * random());
+        }
+        design(&[parse_recording("made", text.as_bytes(), &ReadOptions::default()).unwrap()], None).unwrap()
+    }
+
+    #[test]
+    fn what_is_written_is_read_to_the_bit_and_a_broken_file_is_refused_with_its_line() {
+        let design = made();
+        let text = design.to_toml().unwrap();
+        assert_eq!(parse(&text).unwrap(), (design.model, design.step));
+        for (from, to, told) in [
+            ("pitchid.monitor/1", "pitchid.monitor/9", "expected"),
+            ("gain = ", "gain = \"x\" #", "line "),
+            ("name = \"lag\"", "name = \"leg\"", "leg"),
+            ("dead_zone = ", "dead_zone = -", "dead_zone"),
+        ] {
+            let error = parse(&text.replacen(from, to, 1)).unwrap_err().to_string();
+            assert!(error.contains(told), "{error}");
+        }
+        let mut wild = design.clone();
+        wild.model.transition[0] = [1.5, 0.0, 0.0, 0.5];
+        let error = parse(&wild.to_toml().unwrap()).unwrap_err().to_string();
+        assert!(error.contains("not stable"), "{error}");
+    }
+}
