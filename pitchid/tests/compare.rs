@@ -1,18 +1,12 @@
 //! `pitchid compare` through the real binary.
 
-use assert_cmd::Command;
+#[path = "support/command.rs"]
+mod command;
+
+use command::run;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::Path;
-
-/// Status, standard output, standard error.
-fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pitchid"));
-    let output = command.current_dir(folder).args(arguments).output().unwrap();
-    let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-    assert!(!err.contains("panicked"), "{err}");
-    (output.status.code(), out, err.split_whitespace().collect::<Vec<_>>().join(" "))
-}
 
 fn compared(folder: &Path, arguments: &[&str]) -> Value {
     let (status, out, err) = run(folder, &[&["compare"], arguments, &["--json", "-"]].concat());

@@ -1,16 +1,10 @@
 //! `pitchid identify --monitor-out` and `pitchid monitor` through the real binary.
 
-use assert_cmd::Command;
-use serde_json::Value;
-use std::path::Path;
+#[path = "support/command.rs"]
+mod command;
 
-fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pitchid"));
-    let output = command.current_dir(folder).args(arguments).output().unwrap();
-    let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-    assert!(!err.contains("panicked"), "{err}");
-    (output.status.code(), out, err.split_whitespace().collect::<Vec<_>>().join(" "))
-}
+use command::run;
+use serde_json::Value;
 
 #[test]
 fn a_craft_that_is_the_same_is_silent_and_one_whose_gyro_has_an_offset_is_told() {

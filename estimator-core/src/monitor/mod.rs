@@ -188,12 +188,11 @@ impl Monitor {
             }
         };
         let threshold = self.threshold;
-        let [a, b, c, d, e, f, g, h] = &state.evidence;
         MonitorReport {
             verdict: state.judge.verdict(),
             changed,
             innovation: state.innovation,
-            evidence: [a, b, c, d, e, f, g, h].map(|evidence| evidence.best().sum / threshold),
+            evidence: state.evidence.each_ref().map(|evidence| evidence.best().sum / threshold),
             background: libm::sqrtf(state.fast.max(state.slow)),
         }
     }

@@ -155,7 +155,7 @@ impl Event {
 }
 
 /// Largest evidence of each cause over the threshold.
-fn most(rows: &[Row]) -> [f32; Cause::ALL.len()] {
+fn most<'a>(rows: impl IntoIterator<Item = &'a Row>) -> [f32; Cause::ALL.len()] {
     let mut most = [0.0_f32; Cause::ALL.len()];
     for row in rows {
         most.iter_mut().zip(row.report.evidence).for_each(|(most, evidence)| *most = most.max(evidence));
@@ -184,9 +184,7 @@ fn told(runs: &[Vec<Row>], events: &[Vec<Event>]) -> String {
 fn picture(runs: &[Vec<Row>]) -> Result<String, Failure> {
     let rows: Vec<&Row> = runs.iter().flatten().collect();
     let every = rows.len().div_ceil(POINTS).max(1);
-    let largest: Vec<f32> = (0..Cause::ALL.len())
-        .map(|place| rows.iter().map(|row| row.report.evidence[place]).fold(0.0, f32::max))
-        .collect();
+    let largest = most(rows.iter().copied());
     let mut order: Vec<usize> = (0..Cause::ALL.len()).filter(|&place| largest[place] >= SHOWN).collect();
     order.sort_by(|&a, &b| largest[b].total_cmp(&largest[a]));
     let colours = [EXTENDED, BASELINE, INK];
@@ -214,10 +212,7 @@ fn picture(runs: &[Vec<Row>]) -> Result<String, Failure> {
             let rank = order.iter().position(|&of| of == place);
             let colour = rank.and_then(|rank| colours.get(rank)).copied().unwrap_or(MEASURED);
             for run in runs {
-                let points = run.chunks(every).map(|chunk| {
-                    let most = chunk.iter().map(|row| row.report.evidence[place]).fold(0.0, f32::max);
-                    (chunk[0].t, f64::from(most))
-                });
+                let points = run.chunks(every).map(|chunk| (chunk[0].t, f64::from(most(chunk)[place])));
                 let line = LineSeries::new(points, colour.stroke_width(SCALE * 3 / 2));
                 chart.draw_series(line).map_err(|e| e.to_string())?;
             }

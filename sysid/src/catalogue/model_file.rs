@@ -21,6 +21,12 @@ impl Baseline {
         model.map_or_else(|| Ok(Self::from_data(data)), |model| Self::from_model(model, data))
     }
 
+    /// The effects of these ids that it does not have.
+    pub fn missing<'a>(&self, ids: impl Iterator<Item = &'a str>) -> Vec<&'static dyn Effect> {
+        let has = |id: &str| self.terms.iter().any(|term| term.effect.about().id == id);
+        ids.filter(|id| !has(id)).filter_map(find).collect()
+    }
+
     /// The user's simulation from a model file; what the file leaves out is started from the data.
     pub fn from_file(path: &Path, data: &Dataset) -> Result<Self, Error> {
         Self::from_model(&read_model(path, None)?, data)

@@ -18,12 +18,11 @@
 use super::Quantity;
 use super::parts::{Response, responses};
 use super::statistics::Measured;
-use crate::catalogue::find;
 use crate::dataset::{Dataset, Place, Run, pieces};
 use crate::error::{Error, ErrorKind};
 use crate::estimate::Estimate;
 use crate::likelihood::evidence::Information;
-use crate::likelihood::fit::{Fit, fit_baseline, refit, settled};
+use crate::likelihood::fit::{Fit, fit_baseline, refit_with, settled};
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
 use crate::model::effect::Effect;
@@ -142,24 +141,14 @@ impl Side {
 pub fn fitted(problem: &Problem<'_>, friction: bool) -> Option<Fit> {
     let plain = fit_baseline(problem)?;
     let wanted = ["trim_offset", "servo_lag"].into_iter().chain(friction.then_some("coulomb_friction"));
-    let known = |id: &str| problem.baseline.terms.iter().any(|term| term.effect.about().id == id);
-    let effects: Vec<&'static dyn Effect> = wanted.filter(|id| !known(id)).filter_map(find).collect();
-    let starts = |effect: &&'static dyn Effect| effect.starts(&problem.sizes);
-    let most = effects.iter().map(|effect| starts(effect).len()).max().unwrap_or(1);
-    let from = |k: usize| {
-        let own = effects.iter().flat_map(|effect| {
-            let starts = starts(effect);
-            starts[k.min(starts.len() - 1)].clone()
-        });
-        let start: Vec<f64> = plain.minimum.values.iter().copied().chain(own).collect();
-        refit(problem, &effects, &start)
-    };
+    let effects = problem.baseline.missing(wanted);
+    let most = effects.iter().map(|effect| effect.starts(&problem.sizes).len()).max().unwrap_or(1);
     // the range of a lag ends above zero: a servo without one is another model
     let prompt: Vec<&'static dyn Effect> =
         effects.iter().copied().filter(|effect| effect.about().id != "servo_lag").collect();
-    let own = prompt.iter().flat_map(|effect| starts(effect).swap_remove(0));
-    let start: Vec<f64> = plain.minimum.values.iter().copied().chain(own).collect();
-    let fits = (0..most).filter_map(from).chain(refit(problem, &prompt, &start));
+    let fits = (0..most)
+        .filter_map(|start| refit_with(problem, &plain, &effects, start))
+        .chain(refit_with(problem, &plain, &prompt, 0));
     let best = fits.min_by(|a, b| a.criterion().total_cmp(&b.criterion()))?;
     Some(settled(problem, best))
 }

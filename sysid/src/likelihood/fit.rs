@@ -111,13 +111,31 @@ pub fn fit(
     Some(Fit { effects: effects.to_vec(), minimum })
 }
 
+/// Fits `effects` beside the baseline of `plain`, each from its `start`-th start or its last.
+pub fn refit_with(
+    problem: &Problem<'_>,
+    plain: &Fit,
+    effects: &[&'static dyn Effect],
+    start: usize,
+) -> Option<Fit> {
+    let own = effects.iter().flat_map(|effect| {
+        let mut starts = effect.starts(&problem.sizes);
+        starts.swap_remove(start.min(starts.len() - 1))
+    });
+    let start: Vec<f64> = plain.minimum.values.iter().copied().chain(own).collect();
+    refit(problem, effects, &start)
+}
+
+/// Mean square of residuals.
+pub fn covariance(residuals: &[[f64; 2]]) -> Matrix2<f64> {
+    let n = residuals.len().max(1) as f64;
+    let squares = residuals.iter().map(|[a, b]| Matrix2::new(a * a, a * b, a * b, b * b));
+    squares.sum::<Matrix2<f64>>() / n
+}
+
 /// Inverse covariance of residuals and the logarithm of its determinant; a dead second channel is left out.
 pub fn weights(residuals: &[[f64; 2]]) -> (Matrix2<f64>, f64) {
-    let n = residuals.len().max(1) as f64;
-    let mut s = Matrix2::zeros();
-    for e in residuals {
-        s += Matrix2::new(e[0] * e[0], e[0] * e[1], e[0] * e[1], e[1] * e[1]) / n;
-    }
+    let s = covariance(residuals);
     match s.try_inverse() {
         Some(inverse) if s[(1, 1)] > 0.0 => (inverse, s.determinant().ln()),
         _ => (Matrix2::new(1.0 / s[(0, 0)], 0.0, 0.0, 0.0), s[(0, 0)].ln()),

@@ -319,10 +319,14 @@ impl<'a> Problem<'a> {
 
     /// One-step prediction errors of the counted rows.
     pub fn prediction_errors(&self, effects: &[&'static dyn Effect], values: &[f64]) -> Option<Vec<Output>> {
-        let unpacked = self.unpack(effects, values);
+        self.errors_of(&self.unpack(effects, values))
+    }
+
+    /// The same of a model already made of its values.
+    pub fn errors_of(&self, unpacked: &Unpacked) -> Option<Vec<Output>> {
         let mut all = Vec::with_capacity(self.count());
         let last = |run: usize| self.counted[run].iter().rposition(|c| *c).map_or(0, |k| k + 1);
-        self.run(&unpacked, last, |_, _, _| {}, &mut |run, innovations| {
+        self.run(unpacked, last, |_, _, _| {}, &mut |run, innovations| {
             all.extend(
                 innovations.iter().zip(&self.counted[run]).filter(|(_, c)| **c).map(|(e, _)| self.pack(*e)),
             );

@@ -1,13 +1,11 @@
 //! The monitor's model from recordings.
 
 use super::reduced::Linear;
-use crate::catalogue::find;
 use crate::dataset::{Dataset, Run};
 use crate::error::{Error, ErrorKind};
-use crate::likelihood::fit::{Fit, fit_baseline, refit, settled};
+use crate::likelihood::fit::{Fit, covariance, fit_baseline, refit_with, settled};
 use crate::likelihood::problem::{Problem, Unpacked};
 use crate::model::baseline::Baseline;
-use crate::model::effect::Effect;
 use crate::model::file::ModelFile;
 use crate::model::plant::{THETA, THETA_IMU};
 use crate::recording::Recording;
@@ -75,12 +73,7 @@ pub fn design(recordings: &[Recording], model: Option<&ModelFile>) -> Result<Des
     unpacked.disturbance.zero = unpacked.disturbance.zero.max(SLOWEST);
     unpacked.disturbance.angle_noise = unpacked.disturbance.angle_noise.max(LEAST_ANGLE_NOISE_S);
     let run = data.runs.iter().max_by_key(|run| run.len()).ok_or_else(failed)?;
-    let mut residuals = Vec::new();
-    let mut take = |run: usize, innovations: Vec<[f64; 2]>| {
-        let counted = innovations.into_iter().zip(&problem.counted[run]).filter(|(_, counted)| **counted);
-        residuals.extend(counted.map(|(e, _)| problem.pack(e)));
-    };
-    problem.predict(&unpacked, &mut take).ok_or_else(failed)?;
+    let residuals = problem.errors_of(&unpacked).ok_or_else(failed)?;
     let whitening = whitening(&residuals, &problem).ok_or_else(failed)?;
     let mut notes = Vec::new();
     let linear = baseline.terms.iter().filter(|term| !term.effect.is_background()).count();
@@ -99,7 +92,19 @@ pub fn design(recordings: &[Recording], model: Option<&ModelFile>) -> Result<Des
         )
         .expecting(format!("at most {MAX_INPUT_DELAY} samples of {} s", run.step)));
     }
-    of_tests(&mut made, &problem, &unpacked, &data);
+    let scores = Scores::over(&made, &data);
+    let open = TOLERATED * scores.deviation(Cause::Effectiveness as usize);
+    if open > MOST_OPEN_EFFECTIVENESS {
+        let found = format!(
+            "no monitor can be made: these recordings leave the effectiveness open by {:.0} %",
+            100.0 * open
+        );
+        let help =
+            "identify from one in which the input moves the craft throughout, as in the test of pitchid fly";
+        return Err(Error::new(ErrorKind::Numerical, found, help)
+            .expecting(format!("at most {:.0} %", 100.0 * MOST_OPEN_EFFECTIVENESS)));
+    }
+    of_tests(&mut made, &scores, &problem, &unpacked);
     made.check().map_err(|refusal| {
         Error::new(
             ErrorKind::Model,
@@ -114,22 +119,14 @@ pub fn design(recordings: &[Recording], model: Option<&ModelFile>) -> Result<Des
 fn fitted(problem: &Problem<'_>) -> Option<Fit> {
     let plain = fit_baseline(problem)?;
     let wanted = ["trim_offset"].into_iter().chain((problem.channels() == 2).then_some("gyro_bias"));
-    let known = |id: &str| problem.baseline.terms.iter().any(|term| term.effect.about().id == id);
-    let effects: Vec<&'static dyn Effect> = wanted.filter(|id| !known(id)).filter_map(find).collect();
-    let own = effects.iter().flat_map(|effect| effect.starts(&problem.sizes).swap_remove(0));
-    let start: Vec<f64> = plain.minimum.values.iter().copied().chain(own).collect();
-    refit(problem, &effects, &start).map(|fit| settled(problem, fit))
+    let effects = problem.baseline.missing(wanted);
+    refit_with(problem, &plain, &effects, 0).map(|fit| settled(problem, fit))
 }
 
 /// W with W S Wᵀ = I, S the innovations' covariance; of one channel in its first entry.
 fn whitening(residuals: &[[f64; 2]], problem: &Problem<'_>) -> Option<Matrix2<f64>> {
     let sizes = [problem.sizes.q, problem.sizes.theta].map(|size| (LEAST_SHARE * size).powi(2));
-    let n = residuals.len().max(1) as f64;
-    let mut s = Matrix2::zeros();
-    for [a, b] in residuals {
-        s += Matrix2::new(a * a, a * b, a * b, b * b) / n;
-    }
-    s += Matrix2::new(sizes[0], 0.0, 0.0, sizes[1]);
+    let s = covariance(residuals) + Matrix2::new(sizes[0], 0.0, 0.0, sizes[1]);
     if problem.channels() == 1 {
         return (s[(0, 0)] > 0.0).then(|| Matrix2::new(1.0 / s[(0, 0)].sqrt(), 0.0, 0.0, 0.0));
     }
@@ -220,7 +217,9 @@ const BOTH: [f64; 6] = [-4.0, -2.0, -1.0, 1.0, 2.0, 4.0];
 const ONE_SIDED: [f64; 6] = [-1.0, 0.5, 1.0, 2.0, 4.0, 8.0];
 
 /// Largest dead zone in the same unit: a cause that the identification leaves more open is not tested.
-const LEAST_KNOWN: f64 = 8.0;
+const MOST_OPEN: f64 = 8.0;
+/// Largest dead zone of the effectiveness, a share: beyond a factor of two it is no identification.
+const MOST_OPEN_EFFECTIVENESS: f64 = 0.5;
 /// Dead zone, at least, in the same unit.
 const WITHIN: f64 = 0.2;
 
@@ -240,16 +239,15 @@ fn usual(cause: Cause, problem: &Problem<'_>, unpacked: &Unpacked) -> (f64, [f64
 }
 
 /// Sizes, dead zones and calibration: the last two from the identification's own recording.
-fn of_tests(model: &mut MonitorModel, problem: &Problem<'_>, unpacked: &Unpacked, data: &Dataset) {
-    let scores = Scores::over(model, data);
+fn of_tests(model: &mut MonitorModel, scores: &Scores, problem: &Problem<'_>, unpacked: &Unpacked) {
     for (place, cause) in Cause::ALL.into_iter().enumerate() {
         let (unit, sizes) = usual(cause, problem, unpacked);
         let uncertain = TOLERATED * scores.deviation(place);
         // without the angle a gyro's scale shows as effectiveness does, and its offset as a trim moment
         let hidden =
-            !data.has_angle && matches!(cause, Cause::GyroScale | Cause::GyroBias | Cause::Stiffness);
+            !problem.data.has_angle && matches!(cause, Cause::GyroScale | Cause::GyroBias | Cause::Stiffness);
         // nor is what the identification tells nothing of
-        if hidden || uncertain > LEAST_KNOWN * unit {
+        if hidden || uncertain > MOST_OPEN * unit {
             continue;
         }
         let dead_zone = (WITHIN * unit).max(uncertain);
@@ -310,14 +308,14 @@ fn onset(model: &MonitorModel, column: &Column, direct: [f32; 2], lasting: [f32;
 
 /// Scores over the identification's own recording.
 struct Scores {
-    information: SMatrix<f64, CAUSES, CAUSES>,
+    information: [f64; CAUSES],
     /// Σ Z² and Σ I over spans, cause by cause.
     spans: [[f64; 2]; CAUSES],
 }
 
 impl Scores {
     fn over(model: &MonitorModel, data: &Dataset) -> Self {
-        let mut scores = Self { information: SMatrix::zeros(), spans: [[0.0; 2]; CAUSES] };
+        let mut scores = Self { information: [0.0; CAUSES], spans: [[0.0; 2]; CAUSES] };
         for run in &data.runs {
             let settling = ((SETTLING_S / run.step) as usize).min(run.len() / 4);
             let length = (SPAN_S / run.step).ceil() as usize;
@@ -331,9 +329,7 @@ impl Scores {
                 let [e_q, e_t] = shown.innovation.map(f64::from);
                 let traces = shown.traces.map(|trace| trace.map(f64::from));
                 for (i, a) in traces.iter().enumerate() {
-                    for (j, b) in traces.iter().enumerate() {
-                        scores.information[(i, j)] += a[0] * b[0] + a[1] * b[1];
-                    }
+                    scores.information[i] += a[0] * a[0] + a[1] * a[1];
                     span[i][0] += a[0] * e_q + a[1] * e_t;
                     span[i][1] += a[0] * a[0] + a[1] * a[1];
                 }
@@ -351,7 +347,7 @@ impl Scores {
 
     /// Of the identified size of a cause, the others known.
     fn deviation(&self, cause: usize) -> f64 {
-        (self.calibration(cause) / self.information[(cause, cause)].max(f64::MIN_POSITIVE)).sqrt()
+        (self.calibration(cause) / self.information[cause].max(f64::MIN_POSITIVE)).sqrt()
     }
 
     fn calibration(&self, cause: usize) -> f64 {
@@ -363,4 +359,36 @@ impl Scores {
 /// What the monitor is given of row `k`: rate and angle.
 pub(super) fn reading(run: &Run, k: usize) -> [f32; 2] {
     [&run.rate, &run.angle].map(|signal| signal.as_ref().map_or(0.0, |values| values[k] as f32))
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::recording::{ReadOptions, parse};
+    use std::fmt::Write as _;
+
+    /// A minute of a square wave of `amplitude` on a craft with a spring, in turbulence.
+    pub fn recording(amplitude: f64) -> Recording {
+        let (mut q, mut theta, mut noise) = (0.0_f64, 0.0, 1_u32);
+        let mut text = String::from("t_s,u_rad,q_rad_s,theta_rad\n");
+        for k in 0..3000 {
+            let mut random = || {
+                noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from(noise >> 8) / 16_777_216.0 - 0.5
+            };
+            let u = if (k / 25 + k / 70) % 2 == 0 { amplitude } else { -amplitude };
+            let t = 0.02 * f64::from(k);
+            writeln!(text, "{t},{u},{},{}", q + 0.03 * random(), theta + 0.003 * random()).unwrap();
+            theta += 0.02 * q;
+            q += 0.02 * (-1.5 * q + 135.0 * u - 4.0 * theta + 0.6 * random());
+        }
+        parse("made", text.as_bytes(), &ReadOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn a_recording_that_tells_nothing_of_the_effectiveness_makes_no_monitor() {
+        assert!(design(&[recording(0.015)], None).is_ok());
+        let refusal = design(&[recording(1.5e-5)], None).unwrap_err().to_string();
+        assert!(refusal.contains("leave the effectiveness open by"), "{refusal}");
+    }
 }

@@ -15,13 +15,14 @@ struct File {
     schema: String,
     /// Sample period, s.
     step_s: f64,
-    predictor: PredictorSection,
+    #[serde(with = "PredictorSection")]
+    predictor: MonitorModel,
     cause: Vec<CauseSection>,
 }
 
-/// Fields of [`MonitorModel`].
+/// Fields of [`MonitorModel`] but for its tests, which are kept with their names.
 #[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(remote = "MonitorModel", deny_unknown_fields)]
 struct PredictorSection {
     transition: Transition,
     moment: Column,
@@ -36,6 +37,8 @@ struct PredictorSection {
     friction_rate: f32,
     trim: [f32; 2],
     bias: [f32; 2],
+    #[serde(skip)]
+    tests: [Test; CAUSES],
 }
 
 #[derive(Serialize, Deserialize)]
@@ -54,42 +57,12 @@ impl Design {
     /// # Errors
     /// None that a caller could cause.
     pub fn to_toml(&self) -> Result<String, Error> {
-        let MonitorModel {
-            transition,
-            moment,
-            correction,
-            output,
-            whitening,
-            rest,
-            gain,
-            delay_samples,
-            delay_fraction,
-            lag,
-            friction_rate,
-            trim,
-            bias,
-            tests,
-        } = self.model;
-        let predictor = PredictorSection {
-            transition,
-            moment,
-            correction,
-            output,
-            whitening,
-            rest,
-            gain,
-            delay_samples,
-            delay_fraction,
-            lag,
-            friction_rate,
-            trim,
-            bias,
-        };
-        let cause = Cause::ALL.iter().zip(tests).map(|(cause, test)| {
+        let cause = Cause::ALL.iter().zip(self.model.tests).map(|(cause, test)| {
             let Test { dead_zone, calibration, onset, sizes } = test;
             CauseSection { name: cause.name().into(), dead_zone, calibration, onset, sizes }
         });
-        let file = File { schema: SCHEMA.into(), step_s: self.step, predictor, cause: cause.collect() };
+        let file =
+            File { schema: SCHEMA.into(), step_s: self.step, predictor: self.model, cause: cause.collect() };
         toml::to_string(&file).map_err(|error| {
             Error::new(ErrorKind::Model, format!("the monitor's file could not be made: {error}"), HELP)
         })
@@ -122,29 +95,11 @@ fn parse(text: &str) -> Result<(MonitorModel, f64), Error> {
             refuse(format!("causes {}", names.join(", "))).expecting(Cause::ALL.map(Cause::name).join(", "))
         );
     }
-    let mut tests =
-        [Test { dead_zone: 0.0, calibration: 1.0, onset: [1.0, 0.0], sizes: [0.0; SIZES] }; CAUSES];
-    for (test, CauseSection { dead_zone, calibration, onset, sizes, .. }) in tests.iter_mut().zip(file.cause)
-    {
+    let mut model = file.predictor;
+    for (test, of) in model.tests.iter_mut().zip(file.cause) {
+        let CauseSection { name: _, dead_zone, calibration, onset, sizes } = of;
         *test = Test { dead_zone, calibration, onset, sizes };
     }
-    let p = file.predictor;
-    let model = MonitorModel {
-        transition: p.transition,
-        moment: p.moment,
-        correction: p.correction,
-        output: p.output,
-        whitening: p.whitening,
-        rest: p.rest,
-        gain: p.gain,
-        delay_samples: p.delay_samples,
-        delay_fraction: p.delay_fraction,
-        lag: p.lag,
-        friction_rate: p.friction_rate,
-        trim: p.trim,
-        bias: p.bias,
-        tests,
-    };
     model.check().map_err(|refusal| refuse(refusal.to_string()))?;
     Ok((model, file.step_s))
 }
@@ -152,29 +107,11 @@ fn parse(text: &str) -> Result<(MonitorModel, f64), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::design;
-    use crate::recording::{ReadOptions, parse as parse_recording};
-
-    fn made() -> Design {
-        let (mut q, mut theta, mut noise) = (0.0_f64, 0.0, 1_u32);
-        let mut text = String::from("t_s,u_rad,q_rad_s,theta_rad\n");
-        for k in 0..3000 {
-            let mut random = || {
-                noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                f64::from(noise >> 8) / 16_777_216.0 - 0.5
-            };
-            let u = if (k / 25 + k / 70) % 2 == 0 { 0.015 } else { -0.015 };
-            let t = 0.02 * f64::from(k);
-            text += &format!("{t},{u},{},{}\n", q + 0.03 * random(), theta + 0.003 * random());
-            theta += 0.02 * q;
-            q += 0.02 * (-1.5 * q + 135.0 * u - 4.0 * theta + 0.6 * random());
-        }
-        design(&[parse_recording("made", text.as_bytes(), &ReadOptions::default()).unwrap()], None).unwrap()
-    }
+    use crate::monitor::design::{design, tests::recording};
 
     #[test]
     fn what_is_written_is_read_to_the_bit_and_a_broken_file_is_refused_with_its_line() {
-        let design = made();
+        let design = design(&[recording(0.015)], None).unwrap();
         let text = design.to_toml().unwrap();
         assert_eq!(parse(&text).unwrap(), (design.model, design.step));
         for (from, to, told) in [

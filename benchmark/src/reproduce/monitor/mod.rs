@@ -3,12 +3,12 @@
 pub mod page;
 mod vehicle;
 
-pub use vehicle::Alteration;
+pub use vehicle::{Alteration, Kind};
 
 use vehicle::{AIRS, Vehicle};
 
 use crate::{Error, files};
-use estimator_core::monitor::{Cause, Monitor, MonitorConfig, MonitorModel, Test, Verdict};
+use estimator_core::monitor::{CAUSES, Cause, Monitor, MonitorConfig, MonitorModel, SIZES, Test, Verdict};
 use host_sim::Background;
 use host_sim::seeds::{Stream, generator};
 use rand::RngExt;
@@ -28,49 +28,21 @@ const STICKS: [f64; 3] = [1.0, 0.4, 0.0];
 
 /// What is done to a vehicle; the sign is drawn where both are usual.
 const ALTERATIONS: [(Alteration, bool); 14] = [
-    (Alteration::Effectiveness(-0.3), false),
-    (Alteration::Effectiveness(-0.15), false),
-    (Alteration::Lag(0.04), false),
-    (Alteration::Delay(0.04), false),
-    (Alteration::Lag(0.02), false),
-    (Alteration::Trim(0.05), true),
-    (Alteration::Trim(0.1), true),
-    (Alteration::Damping(0.6), false),
-    (Alteration::Damping(1.2), false),
-    (Alteration::Friction(0.06), false),
-    (Alteration::Friction(0.12), false),
-    (Alteration::GyroBias(0.05), true),
-    (Alteration::GyroBias(0.02), true),
-    (Alteration::GyroScale(0.15), true),
+    (Alteration { kind: Kind::Effectiveness, size: -0.3 }, false),
+    (Alteration { kind: Kind::Effectiveness, size: -0.15 }, false),
+    (Alteration { kind: Kind::Lag, size: 0.04 }, false),
+    (Alteration { kind: Kind::Delay, size: 0.04 }, false),
+    (Alteration { kind: Kind::Lag, size: 0.02 }, false),
+    (Alteration { kind: Kind::Trim, size: 0.05 }, true),
+    (Alteration { kind: Kind::Trim, size: 0.1 }, true),
+    (Alteration { kind: Kind::Damping, size: 0.6 }, false),
+    (Alteration { kind: Kind::Damping, size: 1.2 }, false),
+    (Alteration { kind: Kind::Friction, size: 0.06 }, false),
+    (Alteration { kind: Kind::Friction, size: 0.12 }, false),
+    (Alteration { kind: Kind::GyroBias, size: 0.05 }, true),
+    (Alteration { kind: Kind::GyroBias, size: 0.02 }, true),
+    (Alteration { kind: Kind::GyroScale, size: 0.15 }, true),
 ];
-
-impl Alteration {
-    /// The cause that it is, and its size in the monitor's units: moments per unit inertia.
-    fn truth(self, inertia: f64) -> (Cause, f64) {
-        match self {
-            Self::Effectiveness(s) => (Cause::Effectiveness, s),
-            Self::Lag(s) | Self::Delay(s) => (Cause::Lag, s),
-            Self::Trim(s) => (Cause::Trim, s / inertia),
-            Self::Damping(s) => (Cause::Damping, s / inertia),
-            Self::Friction(s) => (Cause::Friction, s / inertia),
-            Self::GyroBias(s) => (Cause::GyroBias, s),
-            Self::GyroScale(s) => (Cause::GyroScale, s),
-        }
-    }
-
-    fn times(self, sign: f64) -> Self {
-        match self {
-            Self::Effectiveness(s) => Self::Effectiveness(s * sign),
-            Self::Lag(s) => Self::Lag(s * sign),
-            Self::Delay(s) => Self::Delay(s * sign),
-            Self::Trim(s) => Self::Trim(s * sign),
-            Self::Damping(s) => Self::Damping(s * sign),
-            Self::Friction(s) => Self::Friction(s * sign),
-            Self::GyroBias(s) => Self::GyroBias(s * sign),
-            Self::GyroScale(s) => Self::GyroScale(s * sign),
-        }
-    }
-}
 
 /// What the monitor said of one altered flight.
 #[derive(Clone, Debug, Serialize)]
@@ -81,11 +53,21 @@ pub struct Altered {
     pub air: u32,
     /// Stick.
     pub stick: f64,
+    /// Time in which a test that knows cause, size and model tells it, s.
+    pub omniscient: Option<f64>,
+    /// What the monitor said.
+    #[serde(flatten)]
+    pub said: Said,
+}
+
+/// What the monitor said of a flight in which one thing changed.
+#[derive(Clone, Debug, Serialize)]
+pub struct Said {
     /// Time from the change to the first telling, s.
     pub told_after: Option<f64>,
     /// What was told first.
     pub told_first: String,
-    /// What was told longest from the first telling to the end.
+    /// What was told at the end.
     pub told_last: String,
     /// Whether those are the cause.
     pub right: [bool; 2],
@@ -93,8 +75,6 @@ pub struct Altered {
     pub one_of: bool,
     /// The size at the end over the true one, and whether its interval covers, where the cause is right.
     pub size: Option<(f64, bool)>,
-    /// Time in which a test that knows cause, size and model tells it, s.
-    pub omniscient: Option<f64>,
     /// Whether something was told before the change.
     pub false_alarm: bool,
 }
@@ -122,63 +102,69 @@ fn knowing(model: &MonitorModel, cause: Cause, size: f64) -> MonitorModel {
     model
 }
 
-/// First time after `at_s` at which the sum of `cause` passes `needed`.
+/// Time from `at_s` to where the evidence of `cause` passes `share` of the threshold, s.
 fn crossing(rows: &[Row], cause: Cause, share: f32, at_s: f64) -> Option<f64> {
     let place = Cause::ALL.iter().position(|of| *of == cause)?;
     rows.iter().find(|row| row.t >= at_s && row.report.evidence[place] >= share).map(|row| row.t - at_s)
 }
 
+/// The monitor at its default run length.
+fn built(model: &MonitorModel) -> Result<Monitor, Error> {
+    let config = MonitorConfig::default();
+    config.build(model).map_err(|error| Error::new(error.to_string(), "this is a fault of the program"))
+}
+
 /// Flies one altered flight.
 fn altered(vehicle: &Vehicle, air: Background, seed: u64) -> Result<Altered, Error> {
     let mut random = generator(seed, Stream::Choice);
-    let (alteration, signed) = ALTERATIONS[random.random_range(0..ALTERATIONS.len())];
-    let alteration = alteration.times(if signed && random.random_bool(0.5) { -1.0 } else { 1.0 });
+    let (mut alteration, signed) = ALTERATIONS[random.random_range(0..ALTERATIONS.len())];
+    if signed && random.random_bool(0.5) {
+        alteration.size = -alteration.size;
+    }
     let stick = STICKS[random.random_range(0..STICKS.len())];
     let at_s = random.random_range(BETWEEN_S[0]..BETWEEN_S[1]);
     let mut scenario = vehicle.ordinary(seed, (at_s + AFTER_S) as f32, stick)?;
     Vehicle::alter(&mut scenario, alteration, at_s)?;
     let data = vehicle.fly(&scenario)?;
-    let config = MonitorConfig::default();
-    let build = |model: &MonitorModel| -> Result<Monitor, Error> {
-        config.build(model).map_err(|error| Error::new(error.to_string(), "this is a fault of the program"))
-    };
     let replayed = |monitor: &Monitor| -> Vec<Row> {
         let rows = replay(monitor, &data).into_iter().flatten();
         rows.take_while(|row| row.t < at_s + AFTER_S).collect()
     };
-    let rows = replayed(&build(&vehicle.design.model)?);
     let (cause, size) = alteration.truth(vehicle.inertia());
-    let sharp = build(&knowing(&vehicle.exact.model, cause, size))?;
-    let blocks = (config.run_length_h * 3600.0 / 0.2).ln();
-    let omniscient = crossing(&replayed(&sharp), cause, blocks / sharp.threshold(), at_s);
+    // its threshold is that of one sum
+    let sharp = built(&knowing(&vehicle.exact.model, cause, size))?;
+    let one = (sharp.threshold() - ((CAUSES * SIZES) as f32).ln()) / sharp.threshold();
+    let omniscient = crossing(&replayed(&sharp), cause, one, at_s);
+    let air = (100.0 * air.explainable().unwrap_or(1.0)).round() as u32;
+    let rows = replayed(&built(&vehicle.design.model)?);
+    Ok(Altered { alteration, air, stick, omniscient, said: said(&rows, at_s, cause, size) })
+}
+
+/// What `rows` say of a change of `cause` by `size` at `at_s`.
+fn said(rows: &[Row], at_s: f64, cause: Cause, size: f64) -> Said {
     let first = rows.iter().find(|row| row.t >= at_s && is_told(&row.report.verdict));
     let last = rows.last().filter(|row| is_told(&row.report.verdict));
-    let is_right =
-        |row: &Row| matches!(row.report.verdict, Verdict::Changed(change) if change.cause == cause);
-    let one_of = first.is_some_and(|row| match row.report.verdict {
+    let rightly = |row: &Row| match row.report.verdict {
+        Verdict::Changed(change) if change.cause == cause => Some(change),
+        _ => None,
+    };
+    let one_of = |row: &Row| match row.report.verdict {
         Verdict::OneOf(a, b) => a.cause == cause || b.cause == cause,
         _ => false,
-    });
-    let measured = last.and_then(|row| match row.report.verdict {
-        Verdict::Changed(change) if change.cause == cause => {
-            let (found, interval) = (f64::from(change.size), f64::from(change.interval));
-            Some((found / size, (found - size).abs() <= interval))
-        }
-        _ => None,
-    });
-    Ok(Altered {
-        alteration,
-        air: (100.0 * air.explainable().unwrap_or(1.0)).round() as u32,
-        stick,
+    };
+    let named = |row: Option<&Row>| row.map_or("nothing".into(), |row| name(&row.report.verdict));
+    Said {
         told_after: first.map(|row| row.t - at_s),
-        told_first: first.map_or("nothing".into(), |row| name(&row.report.verdict)),
-        told_last: last.map_or("nothing".into(), |row| name(&row.report.verdict)),
-        right: [first.is_some_and(is_right), last.is_some_and(is_right)],
-        one_of,
-        size: measured,
-        omniscient,
+        told_first: named(first),
+        told_last: named(last),
+        right: [first, last].map(|row| row.and_then(rightly).is_some()),
+        one_of: first.is_some_and(one_of),
+        size: last.and_then(rightly).map(|change| {
+            let (found, interval) = (f64::from(change.size), f64::from(change.interval));
+            (found / size, (found - size).abs() <= interval)
+        }),
         false_alarm: rows.iter().any(|row| row.t < at_s && is_told(&row.report.verdict)),
-    })
+    }
 }
 
 /// An alarm where nothing changed.
@@ -205,9 +191,7 @@ fn quiet(vehicle: &Vehicle, seeds: [u64; 2], gusts: bool) -> Result<(Vec<Alarm>,
         }
     }
     let data = vehicle.fly(&scenario)?;
-    let monitor = MonitorConfig::default()
-        .build(&vehicle.design.model)
-        .map_err(|error| Error::new(error.to_string(), "this is a fault of the program"))?;
+    let monitor = built(&vehicle.design.model)?;
     let rows: Vec<Row> = replay(&monitor, &data).into_iter().flatten().collect();
     let most = rows.iter().flat_map(|row| row.report.evidence).fold(0.0, f32::max);
     let mut alarms = Vec::new();

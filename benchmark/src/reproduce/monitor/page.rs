@@ -1,6 +1,6 @@
 //! The study of the monitor as a page.
 
-use super::{Alteration, Altered, Study};
+use super::{Alteration, Altered, Kind, Said, Study};
 use std::fmt::Write as _;
 
 /// Heads of the table.
@@ -28,15 +28,16 @@ fn motion(stick: f64) -> &'static str {
 
 fn told(alteration: Alteration) -> String {
     let percent = |name: &str, s: f64| format!("{name} {:+.0} %", 100.0 * s);
-    match alteration {
-        Alteration::Effectiveness(s) => percent("effectiveness", s),
-        Alteration::GyroScale(s) => format!("gyro scale ±{:.0} %", 100.0 * s.abs()),
-        Alteration::Lag(s) => format!("servo lag {:.0} ms", 1000.0 * s),
-        Alteration::Delay(s) => format!("delay {:.0} ms", 1000.0 * s),
-        Alteration::Trim(s) => format!("trim ±{:.2} N m", s.abs()),
-        Alteration::Damping(s) => format!("damping +{s:.1} N m s/rad"),
-        Alteration::Friction(s) => format!("friction {s:.2} N m"),
-        Alteration::GyroBias(s) => format!("gyro bias ±{:.2} rad/s", s.abs()),
+    let Alteration { kind, size } = alteration;
+    match kind {
+        Kind::Effectiveness => percent("effectiveness", size),
+        Kind::GyroScale => format!("gyro scale ±{:.0} %", 100.0 * size.abs()),
+        Kind::Lag => format!("servo lag {:.0} ms", 1000.0 * size),
+        Kind::Delay => format!("delay {:.0} ms", 1000.0 * size),
+        Kind::Trim => format!("trim ±{:.2} N m", size.abs()),
+        Kind::Damping => format!("damping +{size:.1} N m s/rad"),
+        Kind::Friction => format!("friction {size:.2} N m"),
+        Kind::GyroBias => format!("gyro bias ±{:.2} rad/s", size.abs()),
     }
 }
 
@@ -47,6 +48,29 @@ fn median(times: impl Iterator<Item = Option<f64>>) -> String {
     match all.get(all.len() / 2) {
         Some(time) if time.is_finite() => format!("{time:.1} s"),
         _ => "> 25 s".into(),
+    }
+}
+
+/// How many of some flights are what.
+struct Counts {
+    told: usize,
+    right: usize,
+    one_of: usize,
+    sized: usize,
+    covered: usize,
+}
+
+impl Counts {
+    fn of<'a>(flights: impl Iterator<Item = &'a Altered>) -> Self {
+        let mut counts = Self { told: 0, right: 0, one_of: 0, sized: 0, covered: 0 };
+        for Said { told_after, right: [right, _], one_of, size, .. } in flights.map(|flight| &flight.said) {
+            counts.told += usize::from(told_after.is_some());
+            counts.right += usize::from(*right);
+            counts.one_of += usize::from(*one_of);
+            counts.sized += usize::from(size.is_some());
+            counts.covered += usize::from(size.is_some_and(|(_, covers)| covers));
+        }
+        counts
     }
 }
 
@@ -64,20 +88,16 @@ pub fn rows(study: &Study) -> Vec<Vec<String>> {
         }
     }
     let row = |((change, motion), of): ((String, &str), Vec<&Altered>)| {
-        let told = of.iter().filter(|flight| flight.told_after.is_some()).count();
-        let right = of.iter().filter(|flight| flight.right[0]).count();
-        let one_of = of.iter().filter(|flight| flight.one_of).count();
-        let sized: Vec<bool> = of.iter().filter_map(|flight| flight.size.map(|(_, covers)| covers)).collect();
-        let covered = sized.iter().filter(|covers| **covers).count();
+        let Counts { told, right, one_of, sized, covered } = Counts::of(of.iter().copied());
         vec![
             change,
             motion.to_owned(),
             of.len().to_string(),
             told.to_string(),
-            median(of.iter().map(|flight| flight.told_after)),
+            median(of.iter().map(|flight| flight.said.told_after)),
             median(of.iter().map(|flight| flight.omniscient)),
             format!("{right}; {one_of}"),
-            format!("{covered} of {}", sized.len()),
+            format!("{covered} of {sized}"),
         ]
     };
     groups.into_iter().map(row).collect()
@@ -86,13 +106,8 @@ pub fn rows(study: &Study) -> Vec<Vec<String>> {
 /// The totals in a paragraph.
 #[must_use]
 pub fn totals(study: &Study) -> String {
-    let told = study.altered.iter().filter(|flight| flight.told_after.is_some()).count();
-    let right = study.altered.iter().filter(|flight| flight.right[0]).count();
-    let one_of = study.altered.iter().filter(|flight| flight.one_of).count();
-    let sized: Vec<bool> =
-        study.altered.iter().filter_map(|flight| flight.size.map(|(_, covers)| covers)).collect();
-    let covered = sized.iter().filter(|covers| **covers).count();
-    let early = study.altered.iter().filter(|flight| flight.false_alarm).count();
+    let Counts { told, right, one_of, sized, covered } = Counts::of(study.altered.iter());
+    let early = study.altered.iter().filter(|flight| flight.said.false_alarm).count();
     let share = |part: usize, whole: usize| if whole == 0 { 0.0 } else { 100.0 * part as f64 / whole as f64 };
     format!(
         "{} of {} changes were told within 25 s; of the told, {:.0} % with the right cause and {:.0} % as one of two, the right one \
@@ -102,7 +117,7 @@ pub fn totals(study: &Study) -> String {
         study.altered.len(),
         share(right, told),
         share(one_of, told),
-        share(covered, sized.len()),
+        share(covered, sized),
         study.amount.hours,
         study.quiet.len(),
         study.most_quiet,

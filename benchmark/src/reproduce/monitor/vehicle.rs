@@ -1,6 +1,7 @@
 //! One simulated vehicle of the study: identified once, then flown.
 
 use crate::Error;
+use estimator_core::monitor::Cause;
 use estimator_core::plan::PlanConfig;
 use host_sim::seeds::{Stream, generator};
 use host_sim::{Background, Plant, Scenario, Setting, fly, fly_in_air_of};
@@ -27,24 +28,50 @@ pub struct Vehicle {
 
 /// What changes in a flight, and by how much.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Alteration {
+    /// What changes.
+    pub kind: Kind,
+    /// By how much, in the unit of the kind.
+    pub size: f64,
+}
+
+/// What can change in a flight.
+#[derive(Clone, Copy, Debug, Eq, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Alteration {
+pub enum Kind {
     /// ∂M/∂u, share.
-    Effectiveness(f64),
+    Effectiveness,
     /// A servo lag, s.
-    Lag(f64),
+    Lag,
     /// A delay, s.
-    Delay(f64),
+    Delay,
     /// A constant moment, N m.
-    Trim(f64),
+    Trim,
     /// Damping, N m s/rad.
-    Damping(f64),
+    Damping,
     /// Dry friction, N m.
-    Friction(f64),
+    Friction,
     /// rad/s.
-    GyroBias(f64),
+    GyroBias,
     /// Share.
-    GyroScale(f64),
+    GyroScale,
+}
+
+impl Alteration {
+    /// The cause that it is, and its size in the monitor's units: moments per unit inertia.
+    #[must_use]
+    pub fn truth(self, inertia: f64) -> (Cause, f64) {
+        let Self { kind, size } = self;
+        match kind {
+            Kind::Effectiveness => (Cause::Effectiveness, size),
+            Kind::Lag | Kind::Delay => (Cause::Lag, size),
+            Kind::Trim => (Cause::Trim, size / inertia),
+            Kind::Damping => (Cause::Damping, size / inertia),
+            Kind::Friction => (Cause::Friction, size / inertia),
+            Kind::GyroBias => (Cause::GyroBias, size),
+            Kind::GyroScale => (Cause::GyroScale, size),
+        }
+    }
 }
 
 impl Vehicle {
@@ -94,27 +121,28 @@ impl Vehicle {
     /// Lets something change at `at_s`.
     pub fn alter(scenario: &mut Scenario, alteration: Alteration, at_s: f64) -> Result<(), Error> {
         let mut plant = scenario.plant;
-        let effect =
-            |id: &str, name: &str, value: f64| Setting::new(id, &[(name, value)]).map(|one| vec![one]);
-        scenario.effects = match alteration {
-            Alteration::Effectiveness(share) => {
-                plant.dm_du *= 1.0 + share;
-                Vec::new()
+        let Alteration { kind, size } = alteration;
+        let effect = match kind {
+            Kind::Effectiveness => {
+                plant.dm_du *= 1.0 + size;
+                None
             }
-            Alteration::Damping(more) => {
-                plant.dm_dq -= more;
-                Vec::new()
+            Kind::Damping => {
+                plant.dm_dq -= size;
+                None
             }
-            Alteration::Delay(more) => {
-                plant.delay_s += more;
-                Vec::new()
+            Kind::Delay => {
+                plant.delay_s += size;
+                None
             }
-            Alteration::Lag(lag) => effect("servo_lag", "T", lag)?,
-            Alteration::Trim(moment) => effect("trim_offset", "M0", moment)?,
-            Alteration::Friction(moment) => effect("coulomb_friction", "Mc", moment)?,
-            Alteration::GyroBias(bias) => effect("gyro_bias", "b", bias)?,
-            Alteration::GyroScale(share) => effect("gyro_scale", "s", share)?,
+            Kind::Lag => Some(("servo_lag", "T")),
+            Kind::Trim => Some(("trim_offset", "M0")),
+            Kind::Friction => Some(("coulomb_friction", "Mc")),
+            Kind::GyroBias => Some(("gyro_bias", "b")),
+            Kind::GyroScale => Some(("gyro_scale", "s")),
         };
+        let effect = effect.map(|(id, name)| Setting::new(id, &[(name, size)])).transpose()?;
+        scenario.effects = effect.into_iter().collect();
         scenario.change = Some((at_s, plant));
         Ok(())
     }
