@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::constants::SAMPLE_PERIOD_S;
+use crate::decimal::Decimal;
 
 /// A limit that was crossed. The attitude controller takes over until the vehicle is level and slow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,15 +28,12 @@ impl fmt::Display for Trip {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Angle { found, limit } => {
-                write!(f, "pitch {found:.2} rad {} limit {:.2} rad", sign(*found), limit.copysign(*found))
+                let (side, limit) = (sign(*found), Decimal(limit.copysign(*found)));
+                write!(f, "pitch {:.2} rad {side} limit {limit:.2} rad", Decimal(*found))
             }
             Self::Rate { found, limit } => {
-                write!(
-                    f,
-                    "pitch rate {found:.2} rad/s {} limit {:.2} rad/s",
-                    sign(*found),
-                    limit.copysign(*found)
-                )
+                let (side, limit) = (sign(*found), Decimal(limit.copysign(*found)));
+                write!(f, "pitch rate {:.2} rad/s {side} limit {limit:.2} rad/s", Decimal(*found))
             }
         }
     }
@@ -123,7 +121,7 @@ impl fmt::Display for Fault {
                 write!(f, "{trip} after {allowed} recoveries, all that one test may have")
             }
             Self::RecoveryTooLong { ticks, trip } => {
-                write!(f, "not level {:.2} s after {trip}", seconds(*ticks))
+                write!(f, "not level {:.2} s after {trip}", Decimal(seconds(*ticks)))
             }
             Self::NotFinite { channel } => write!(f, "{channel} is not a number"),
             Self::Frozen { channel, samples } => write!(f, "{channel} unchanged for {samples} samples"),
@@ -132,7 +130,7 @@ impl fmt::Display for Fault {
                 write!(
                     f,
                     "no timely sample for {ticks} ticks, the last is {:.1} ms old",
-                    *age_us as f32 / 1e3
+                    Decimal(*age_us as f32 / 1e3)
                 )
             }
             Self::Operator => f.write_str("operator's command"),
@@ -170,7 +168,9 @@ impl fmt::Display for Event {
         match self {
             Self::Started => f.write_str("started"),
             Self::Tripped(trip) => write!(f, "recovering: {trip}"),
-            Self::Resumed { after_ticks } => write!(f, "resumed after {:.2} s", seconds(*after_ticks)),
+            Self::Resumed { after_ticks } => {
+                write!(f, "resumed after {:.2} s", Decimal(seconds(*after_ticks)))
+            }
             Self::Finished { recoveries } => write!(f, "finished with {recoveries} recoveries"),
             Self::Aborted(fault) => write!(f, "aborted: {fault}"),
         }

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::decimal::Decimal;
+
 /// A field of the configuration that lies outside its legal range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConfigError {
@@ -20,6 +22,7 @@ pub struct ConfigError {
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, unit, found, low, high } = self;
+        let [found, low, high] = [found, low, high].map(|value| Decimal(*value));
         let space = if unit.is_empty() { "" } else { " " };
         write!(f, "{name} is {found}{space}{unit}; set it within {low} to {high}{space}{unit}")
     }

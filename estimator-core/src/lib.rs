@@ -14,6 +14,7 @@ pub mod config;
 pub mod constants;
 pub mod convergence;
 pub mod cycle;
+pub mod decimal;
 pub mod delay_line;
 pub mod health;
 pub mod lms;

@@ -6,6 +6,7 @@ use super::BLOCK;
 use super::evidence::{Evidence, Finding};
 use super::model::{CAUSES, Cause, Test};
 use crate::constants::SAMPLE_PERIOD_S;
+use crate::decimal::Decimal;
 
 /// Logarithm of the odds by which a cause must lead the next before it is told alone.
 const LEAD: f32 = 3.0;
@@ -79,7 +80,8 @@ impl fmt::Display for Change {
         let Self { cause, size, interval, .. } = self;
         let (unit, per) = cause.unit();
         let places = if per > 1.0 { 0 } else { 3 };
-        write!(f, "{} {:+.places$} +- {:.places$} {unit}", cause.name(), size * per, interval * per)
+        let [size, interval] = [size, interval].map(|value| Decimal(value * per));
+        write!(f, "{} {size:+.places$} +- {interval:.places$} {unit}", cause.name())
     }
 }
 
@@ -102,8 +104,8 @@ impl Change {
     }
 }
 
-fn seconds(tick: u32) -> f32 {
-    tick as f32 * SAMPLE_PERIOD_S
+fn seconds(tick: u32) -> Decimal {
+    Decimal(tick as f32 * SAMPLE_PERIOD_S)
 }
 
 impl fmt::Display for Verdict {

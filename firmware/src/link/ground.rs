@@ -353,6 +353,8 @@ impl Ground {
         texts(severity, text, self.text).for_each(|message| self.send(&message, out));
     }
 
+    // its own frame: inlined, the buffers of every message add up in that of the caller
+    #[inline(never)]
     fn send<M: MessageData>(&mut self, message: &M, out: &mut impl FnMut(&[u8])) {
         let mut frame =
             encode(Header { sequence: self.sequence, system: SYSTEM, component: COMPONENT }, message);
