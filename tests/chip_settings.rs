@@ -2,56 +2,19 @@
 
 use std::time::Duration;
 
-use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use estimator_core::Config;
 use firmware::link::frame::{Header, encode, sign};
 use firmware::link::signing::Key;
 use firmware::parameters::{self, PARAMETERS};
-use firmware::store::{LENGTH, SECTOR, Settings, Store};
+use firmware::settings::Settings;
 use mavlink::MessageData;
 use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd, MavMessage, MavResult};
-use pitchid_tests::chip::emulator::FLIGHT;
 use pitchid_tests::chip::twin::NOT_KEPT;
-use pitchid_tests::chip::{Emulator, Pilot};
-
-/// Erased flash, as a file to be.
-struct Flash(Vec<u8>);
-
-impl ErrorType for Flash {
-    type Error = NorFlashErrorKind;
-}
-impl ReadNorFlash for Flash {
-    const READ_SIZE: usize = 1;
-    fn read(&mut self, at: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
-        bytes.copy_from_slice(&self.0[at as usize..][..bytes.len()]);
-        Ok(())
-    }
-    fn capacity(&self) -> usize {
-        self.0.len()
-    }
-}
-impl NorFlash for Flash {
-    const WRITE_SIZE: usize = 1;
-    const ERASE_SIZE: usize = SECTOR as usize;
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
-        self.0[from as usize..to as usize].fill(0xff);
-        Ok(())
-    }
-    fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
-        self.0[at as usize..][..bytes.len()].copy_from_slice(bytes);
-        Ok(())
-    }
-}
+use pitchid_tests::chip::{Flash, Pilot};
 
 /// The chip, its flash holding `settings`.
 fn boot(settings: &Settings) -> Option<Pilot> {
-    let mut flash = Flash(vec![0xff; LENGTH as usize]);
-    Store::open(&mut flash).0.save(&mut flash, settings).expect("there is room");
-    let folder = tempfile::tempdir().expect("a temporary folder can be made");
-    let file = folder.path().join("flash");
-    std::fs::write(&file, &flash.0).expect("a temporary file can be written");
-    let device = format!("loader,file={},addr=0x080c0000,force-raw=on", file.display());
-    Emulator::boot_with(FLIGHT, &["-device".to_owned(), device]).map(Pilot::new)
+    Flash::holding(|memory| memory.keep(settings)).boot()
 }
 
 fn value(pilot: &mut Pilot, name: &str) -> f32 {

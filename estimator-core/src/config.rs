@@ -8,13 +8,14 @@ use crate::attitude::AttitudeConfig;
 use crate::convergence::ConvergenceConfig;
 use crate::cycle::Cycle;
 use crate::lms::LmsConfig;
+use crate::monitor::MonitorConfig;
 use crate::plan::PlanConfig;
 use crate::prbs::PrbsConfig;
 use crate::supervisor::SupervisorConfig;
 
 pub use crate::config_error::ConfigError;
 
-/// Configuration of one test. The default is the paper's campaign 4 at 0.015 rad.
+/// Configuration of the core. The default is the paper's campaign 4 at 0.015 rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Config {
     /// Seed from which the three excitation sequences are derived.
@@ -31,6 +32,8 @@ pub struct Config {
     pub lms: LmsConfig,
     /// When the estimator calls itself converged.
     pub convergence: ConvergenceConfig,
+    /// What the monitor watches for.
+    pub monitor: MonitorConfig,
 }
 
 impl Config {
@@ -39,6 +42,7 @@ impl Config {
     /// # Errors
     /// The first field outside its legal range, by name, with the range.
     pub fn build<const N: usize>(&self) -> Result<Cycle<N>, ConfigError> {
+        self.monitor.check()?;
         Ok(Cycle {
             seed: self.seed,
             prbs: self.prbs.build()?,
@@ -71,13 +75,14 @@ mod tests {
 
     #[test]
     fn nan_is_refused_in_every_part() {
-        let cases: [fn(&mut Config); 6] = [
+        let cases: [fn(&mut Config); 7] = [
             |c| c.prbs.amplitude_rad = f32::NAN,
             |c| c.plan.section_s = f32::NAN,
             |c| c.supervisor.trip_theta_rad = f32::NAN,
             |c| c.attitude.rate_gain_s = f32::NAN,
             |c| c.lms.regularisation_rad2 = f32::NAN,
             |c| c.convergence.max_gain_drift = f32::NAN,
+            |c| c.monitor.run_length_h = f32::NAN,
         ];
         for spoil in cases {
             let mut config = Config::default();

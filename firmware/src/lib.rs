@@ -4,7 +4,8 @@
 //! ```text
 //!  TIM2, 50 Hz, highest priority              idle
 //!  IMU or HIL ─> pitch filter ─> Cycle::step ──> reports ──> telemetry ─┐
-//!                     ^              │                                  ├─> USART2 ─> ground
+//!                     ^              ├──> Watch::step ──> verdict ──>────┤
+//!                     │              │                                  ├─> USART2 ─> ground
 //!                     │              └──> servos (neutral unless armed) │
 //!                     └── command, reference, HIL sample <── Ground <───┘
 //! ```
@@ -13,6 +14,7 @@
 #![cfg_attr(not(test), no_std)]
 
 pub mod deadline;
+pub mod digest;
 pub mod hil;
 pub mod imu;
 pub mod link;
@@ -20,4 +22,6 @@ pub mod parameters;
 pub mod pitch_filter;
 pub mod reset_record;
 pub mod servo;
+pub mod settings;
 pub mod store;
+pub mod watch;

@@ -25,7 +25,7 @@ macro_rules! parameter {
 }
 
 /// All parameters, in the order of their MAVLink index.
-pub const PARAMETERS: [Parameter; 16] = [
+pub const PARAMETERS: [Parameter; 18] = [
     parameter!("EXC_AMPL", "rad", [0.0, 0.03], prbs.amplitude_rad),
     parameter!("EXC_DWELL_MIN", "s", [0.02, 10.0], prbs.dwell_min_s),
     parameter!("EXC_DWELL_MAX", "s", [0.02, 10.0], prbs.dwell_max_s),
@@ -60,6 +60,15 @@ pub const PARAMETERS: [Parameter; 16] = [
         range: [0.0, MAX_INPUT_DELAY as f32],
         get: |c| f32::from(c.lms.input_delay),
         set: |c, value| c.lms.input_delay = value as u8,
+    },
+    parameter!("MON_ARL", "h", [0.1, 1e4], monitor.run_length_h),
+    Parameter {
+        name: "MON_WATCH",
+        unit: "",
+        // a bit for each cause; 0 turns the monitor off
+        range: [0.0, 255.0],
+        get: |c| f32::from(c.monitor.watched),
+        set: |c, value| c.monitor.watched = value as u8,
     },
 ];
 

@@ -1,160 +1,181 @@
-//! Parameters and signing key across power-off: a log of records in two sectors of flash.
+//! Records across power-off: a log in two sectors of flash, of which the newest whole record counts.
 //!
 //! ```text
-//! slot of 128 bytes:  mark · sequence · parameters · key · timestamp · first 8 bytes of SHA-256 of all that
+//! slot:  mark · sequence · payload · first 8 bytes of SHA-256 of all that
 //! ```
 //!
-//! A change is appended to the slot after the newest, so nothing is erased while the board runs: erasing a sector stops the
+//! A record is appended to the slot after the newest, so nothing is erased while the board runs: erasing a sector stops the
 //! processor for 1 to 2 s, far beyond the watchdog's 70 ms. Only at start, where the sector has become three quarters full, the
 //! *other* one is erased and the newest record written there; the power may fail at any moment, the last whole record is found.
-//! A record of another table of parameters does not count. The flash bears 10 000 erasures of some 700 records each.
+//! A record with another mark does not count. The flash bears 10 000 erasures of some hundred records each.
 //!
 //! That is why this is no key-value store of the shelf: those erase when they are written to.
 
 use embedded_storage::nor_flash::NorFlash;
-use sha2::{Digest, Sha256};
 
-use crate::link::signing::Key;
-use crate::parameters::PARAMETERS;
+use crate::digest::{DIGEST, digest};
 
 /// Bytes of one sector.
 pub const SECTOR: u32 = 128 * 1024;
-/// Bytes of the whole store.
-pub const LENGTH: u32 = 2 * SECTOR;
-const SLOT: usize = 128;
-/// Slots below which a sector counts as full.
-const ROOM: u32 = SECTOR / SLOT as u32 / 4;
-const MARK: u32 = 0x5049_0100 + PARAMETERS.len() as u32;
-/// Place of the digest.
-const CHECKED: usize = SLOT - 8;
-const _: () = assert!(VALUES + 4 * PARAMETERS.len() <= SIGNED, "the parameters fit into the slot");
-const VALUES: usize = 8;
-const SIGNED: usize = 76;
+/// Bytes of a slot before its payload.
+const HEADER: usize = 8;
 
-type Slot = [u8; SLOT];
-
-/// What is kept.
-#[derive(Clone, Copy)]
-pub struct Settings {
-    /// Value of each parameter, in the order of the table.
-    pub values: [f32; PARAMETERS.len()],
-    /// Key and latest timestamp.
-    pub signing: Option<(Key, u64)>,
+/// Bytes of the slot of a payload.
+#[must_use]
+pub const fn slot_of(payload: usize) -> usize {
+    (HEADER + payload + DIGEST).next_multiple_of(4)
 }
 
 /// The flash did not take a record, or has no room for it.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct NotKept;
 
-impl Settings {
-    fn slot(&self, sequence: u32) -> Slot {
-        let mut slot = [0; SLOT];
-        let mut put = |place: usize, bytes: &[u8]| {
-            slot.iter_mut().skip(place).zip(bytes).for_each(|(to, &byte)| *to = byte);
-        };
-        put(0, &MARK.to_le_bytes());
-        put(4, &sequence.to_le_bytes());
-        self.values.iter().zip((VALUES..).step_by(4)).for_each(|(value, at)| put(at, &value.to_le_bytes()));
-        if let Some((Key(key), timestamp)) = &self.signing {
-            put(SIGNED, &[1]);
-            put(SIGNED + 1, key);
-            put(SIGNED + 33, &timestamp.to_le_bytes());
-        }
-        let digest = digest(&slot);
-        slot.iter_mut().skip(CHECKED).zip(digest).for_each(|(to, byte)| *to = byte);
-        slot
-    }
-
-    fn read(slot: &Slot) -> Option<(u32, Self)> {
-        let word = |at: usize| slot.get(at..).and_then(<[u8]>::first_chunk).copied().map(u32::from_le_bytes);
-        if word(0)? != MARK || slot.get(CHECKED..)? != digest(slot) {
-            return None;
-        }
-        let mut values = [0.0; PARAMETERS.len()];
-        for (value, at) in values.iter_mut().zip((VALUES..).step_by(4)) {
-            *value = f32::from_bits(word(at)?);
-        }
-        let key = slot.get(SIGNED + 1..)?.first_chunk().copied()?;
-        let timestamp = slot.get(SIGNED + 33..)?.first_chunk().copied().map(u64::from_le_bytes)?;
-        let signing = (*slot.get(SIGNED)? == 1).then_some((Key(key), timestamp));
-        Some((word(4)?, Self { values, signing }))
-    }
-}
-
-fn digest(slot: &Slot) -> [u8; 8] {
-    let hash = Sha256::digest(slot.get(..CHECKED).unwrap_or_default());
-    hash.first_chunk().copied().unwrap_or_default()
-}
-
-/// Where the next record goes.
+/// Where the next record goes, in slots of so many bytes.
 #[derive(Clone, Copy, Debug)]
-pub struct Store {
+pub struct Store<const SLOT: usize> {
+    area: u32,
+    mark: u32,
     next: Option<u32>,
+    newest: Option<u32>,
     sequence: u32,
 }
 
-impl Store {
-    /// Finds the newest record and makes room where there is little. Before the watchdog runs.
-    pub fn open(flash: &mut impl NorFlash) -> (Self, Option<Settings>) {
-        let slots = || (0..LENGTH).step_by(SLOT);
-        let mut newest: Option<(u32, u32, Settings)> = None;
-        for at in slots() {
-            let found = slot(flash, at).as_ref().and_then(Settings::read);
-            if let Some((sequence, settings)) = found
-                && newest.as_ref().is_none_or(|(last, ..)| sequence > *last)
+/// A whole record.
+#[derive(Clone, Copy)]
+pub struct Record<const SLOT: usize>([u8; SLOT]);
+
+impl<const SLOT: usize> Record<SLOT> {
+    fn new(mark: u32, sequence: u32, payload: &[u8]) -> Self {
+        let mut slot = [0; SLOT];
+        let head = mark.to_le_bytes().into_iter().chain(sequence.to_le_bytes());
+        slot.iter_mut().zip(head.chain(payload.iter().copied())).for_each(|(to, byte)| *to = byte);
+        let digest = digest(checked(&slot));
+        slot.iter_mut().rev().zip(digest.iter().rev()).for_each(|(to, byte)| *to = *byte);
+        Self(slot)
+    }
+
+    fn read(slot: [u8; SLOT], mark: u32) -> Option<(u32, Self)> {
+        let (head, _) = slot.split_first_chunk::<4>()?;
+        let sequence = slot.get(4..)?.first_chunk().copied().map(u32::from_le_bytes)?;
+        let sound = u32::from_le_bytes(*head) == mark && slot.ends_with(&digest(checked(&slot)));
+        sound.then_some((sequence, Self(slot)))
+    }
+
+    /// What was kept, and the zeros behind it.
+    #[must_use]
+    pub fn payload(&self) -> &[u8] {
+        checked(&self.0).get(HEADER..).unwrap_or_default()
+    }
+}
+
+fn checked(slot: &[u8]) -> &[u8] {
+    slot.get(..slot.len().saturating_sub(DIGEST)).unwrap_or_default()
+}
+
+impl<const SLOT: usize> Store<SLOT> {
+    /// Slots of one sector.
+    const SLOTS: u32 = SECTOR / SLOT as u32;
+
+    /// Finds the newest record of the two sectors from `area` on and makes room where there is little. Before the watchdog runs.
+    pub fn open(flash: &mut impl NorFlash, area: u32, mark: u32) -> Self {
+        let mut store = Self { area, mark, next: None, newest: None, sequence: 0 };
+        for at in store.places() {
+            if let Some((sequence, _)) = store.record(flash, at)
+                && (store.newest.is_none() || sequence > store.sequence)
             {
-                newest = Some((sequence, at, settings));
+                (store.newest, store.sequence) = (Some(at), sequence);
             }
         }
-        let Some((sequence, at, settings)) = newest else {
-            let next = slots().find(|&at| is_erased(flash, at)).or_else(|| erased(flash, 0));
-            return (Self { next, sequence: 0 }, None);
+        let Some(at) = store.newest else {
+            let erased = store.places().find(|&at| is_erased::<SLOT>(flash, at));
+            store.next = erased.or_else(|| store.erase(flash, area));
+            return store;
         };
-        let end = (at / SECTOR + 1) * SECTOR;
-        let next = (at..end).step_by(SLOT).find(|&at| is_erased(flash, at));
-        let mut store = Self { next, sequence };
-        if next.is_none_or(|next| (end - next) / (SLOT as u32) < ROOM) {
-            store.next = erased(flash, end % LENGTH).or(next);
+        store.next = store.rest(at).find(|&at| is_erased::<SLOT>(flash, at));
+        if store.next.is_none_or(|next| (store.rest(next).count() as u32) < Self::SLOTS / 4) {
+            let other = if store.sector(at) == area { area + SECTOR } else { area };
+            let newest = store.newest(flash);
+            store.next = store.erase(flash, other).or(store.next);
             // what cannot be written now is still where it was
-            let _ = store.save(flash, &settings);
+            let _ = newest.map(|record| store.save(flash, record.payload()));
         }
-        (store, Some(settings))
+        store
+    }
+
+    /// The newest record.
+    pub fn newest(&self, flash: &mut impl NorFlash) -> Option<Record<SLOT>> {
+        self.record(flash, self.newest?).map(|(_, record)| record)
+    }
+
+    /// The whole record at `at`, with its sequence.
+    fn record(&self, flash: &mut impl NorFlash, at: u32) -> Option<(u32, Record<SLOT>)> {
+        slot(flash, at).and_then(|slot| Record::read(slot, self.mark))
     }
 
     /// Appends a record.
     ///
     /// # Errors
     /// No room, or another content than was written.
-    pub fn save(&mut self, flash: &mut impl NorFlash, settings: &Settings) -> Result<(), NotKept> {
+    #[inline(never)]
+    pub fn save(&mut self, flash: &mut impl NorFlash, payload: &[u8]) -> Result<(), NotKept> {
         let at = self.next.ok_or(NotKept)?;
-        let wanted = settings.slot(self.sequence.wrapping_add(1));
-        let written = flash.write(at, &wanted).is_ok() && slot(flash, at) == Some(wanted);
-        let end = (at / SECTOR + 1) * SECTOR;
-        self.next = (at..end).step_by(SLOT).skip(1).find(|&at| is_erased(flash, at));
         self.sequence = self.sequence.wrapping_add(1);
-        if written { Ok(()) } else { Err(NotKept) }
+        let wanted = Record::<SLOT>::new(self.mark, self.sequence, payload);
+        let written = flash.write(at, &wanted.0).is_ok()
+            && self.record(flash, at).is_some_and(|(sequence, _)| sequence == self.sequence);
+        self.next = self.rest(at).skip(1).find(|&at| is_erased::<SLOT>(flash, at));
+        if written {
+            self.newest = Some(at);
+            Ok(())
+        } else {
+            Err(NotKept)
+        }
+    }
+
+    /// The first byte of the sector in which `at` lies.
+    const fn sector(&self, at: u32) -> u32 {
+        if at < self.area + SECTOR { self.area } else { self.area + SECTOR }
+    }
+
+    /// Every slot.
+    fn places(&self) -> impl Iterator<Item = u32> + use<SLOT> {
+        let area = self.area;
+        [area, area + SECTOR].into_iter().flat_map(|from| (from..).step_by(SLOT).take(Self::SLOTS as usize))
+    }
+
+    /// The slots of its sector from `at` on.
+    fn rest(&self, at: u32) -> impl Iterator<Item = u32> + use<SLOT> {
+        let end = self.sector(at) + Self::SLOTS * SLOT as u32;
+        (at..end).step_by(SLOT)
+    }
+
+    /// Erases the sector at `at`; its first slot, if that worked.
+    fn erase(&self, flash: &mut impl NorFlash, at: u32) -> Option<u32> {
+        let done = flash.erase(at, at + SECTOR).is_ok() && is_erased::<SLOT>(flash, at);
+        done.then_some(at)
     }
 }
 
-fn slot(flash: &mut impl NorFlash, at: u32) -> Option<Slot> {
+fn slot<const SLOT: usize>(flash: &mut impl NorFlash, at: u32) -> Option<[u8; SLOT]> {
     let mut slot = [0; SLOT];
     flash.read(at, &mut slot).ok().map(|()| slot)
 }
 
-fn is_erased(flash: &mut impl NorFlash, at: u32) -> bool {
-    slot(flash, at).is_some_and(|slot| slot == [0xff; SLOT])
-}
-
-/// Erases the sector at `at`; its first slot, if that worked.
-fn erased(flash: &mut impl NorFlash, at: u32) -> Option<u32> {
-    let done = flash.erase(at, at + SECTOR).is_ok() && is_erased(flash, at);
-    done.then_some(at)
+fn is_erased<const SLOT: usize>(flash: &mut impl NorFlash, at: u32) -> bool {
+    slot::<SLOT>(flash, at).is_some_and(|slot| slot.iter().all(|&byte| byte == 0xff))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use embedded_storage::nor_flash::{ErrorType, NorFlashErrorKind, ReadNorFlash};
+
+    const LONG: usize = 101;
+    const SLOT: usize = slot_of(LONG + 8);
+    const SLOTS: usize = SECTOR as usize / SLOT;
+    /// Not the first byte of the flash, which belongs to somebody else.
+    const AREA: u32 = SECTOR;
+    const MARK: u32 = 77;
 
     /// Flash in which bits only fall, with a supply that may fail after so many bytes.
     struct Chip {
@@ -164,11 +185,13 @@ mod tests {
 
     impl Chip {
         fn new(fill: u8) -> Self {
-            Self { bytes: vec![fill; LENGTH as usize], supply: usize::MAX }
+            Self { bytes: vec![fill; 3 * SECTOR as usize], supply: usize::MAX }
         }
-        fn boot(&mut self) -> (Store, Option<Settings>) {
+        fn boot(&mut self) -> (Store<SLOT>, Option<Record<SLOT>>) {
             self.supply = usize::MAX;
-            Store::open(self)
+            let store = Store::open(self, AREA, MARK);
+            let newest = store.newest(self);
+            (store, newest)
         }
     }
 
@@ -204,18 +227,12 @@ mod tests {
         }
     }
 
-    fn settings(number: usize) -> Settings {
-        let values = core::array::from_fn(|i| number as f32 + 0.125 * i as f32);
-        let signing = (number % 2 == 1).then_some((Key([number as u8; 32]), number as u64 * 1000));
-        Settings { values, signing }
+    fn payload(number: usize) -> Vec<u8> {
+        (0..LONG).map(|place| (number + place) as u8).chain(number.to_le_bytes()).collect()
     }
 
-    fn same(found: Option<Settings>, number: usize) -> bool {
-        let expected = settings(number);
-        found.is_some_and(|found| {
-            let key = |s: &Settings| s.signing.map(|(key, timestamp)| (key.0, timestamp));
-            found.values == expected.values && key(&found) == key(&expected)
-        })
+    fn same(found: Option<Record<SLOT>>, number: usize) -> bool {
+        found.is_some_and(|found| found.payload().starts_with(&payload(number)))
     }
 
     #[test]
@@ -225,7 +242,7 @@ mod tests {
         for number in 0..3000 {
             let (mut store, found) = chip.boot();
             assert!(number == 0 || same(found, number - 1), "{number}");
-            assert_eq!(store.save(&mut chip, &settings(number)), Ok(()), "{number}");
+            assert_eq!(store.save(&mut chip, &payload(number)), Ok(()), "{number}");
         }
     }
 
@@ -233,11 +250,11 @@ mod tests {
     fn a_full_sector_is_told_and_the_next_boot_makes_room() {
         let mut chip = Chip::new(0xff);
         let (mut store, _) = chip.boot();
-        let kept = (0..2000).take_while(|&number| store.save(&mut chip, &settings(number)).is_ok()).count();
-        assert_eq!(kept, 1024);
+        let kept = (0..2000).take_while(|&number| store.save(&mut chip, &payload(number)).is_ok()).count();
+        assert_eq!(kept, SLOTS);
         let (mut store, found) = chip.boot();
-        assert!(same(found, 1023));
-        assert_eq!(store.save(&mut chip, &settings(5000)), Ok(()));
+        assert!(same(found, SLOTS - 1));
+        assert_eq!(store.save(&mut chip, &payload(5000)), Ok(()));
         assert!(same(chip.boot().1, 5000));
     }
 
@@ -246,12 +263,12 @@ mod tests {
         for supply in 0..SLOT {
             let mut chip = Chip::new(0xff);
             let (mut store, _) = chip.boot();
-            store.save(&mut chip, &settings(1)).unwrap();
+            store.save(&mut chip, &payload(1)).unwrap();
             chip.supply = supply;
-            assert_eq!(store.save(&mut chip, &settings(2)), Err(NotKept));
+            assert_eq!(store.save(&mut chip, &payload(2)), Err(NotKept));
             let (mut store, found) = chip.boot();
             assert!(same(found, 1), "{supply}");
-            assert_eq!(store.save(&mut chip, &settings(3)), Ok(()), "{supply}");
+            assert_eq!(store.save(&mut chip, &payload(3)), Ok(()), "{supply}");
             assert!(same(chip.boot().1, 3), "{supply}");
         }
     }
@@ -260,15 +277,31 @@ mod tests {
     fn a_supply_that_fails_while_room_is_made_loses_nothing() {
         let mut full = Chip::new(0xff);
         let (mut store, _) = full.boot();
-        (0..1000).for_each(|number| store.save(&mut full, &settings(number)).unwrap());
+        (0..SLOTS - 20).for_each(|number| store.save(&mut full, &payload(number)).unwrap());
         for supply in [0, 1, 1000, SECTOR as usize, SECTOR as usize + 50, SECTOR as usize + SLOT] {
             let mut chip = Chip { bytes: full.bytes.clone(), supply };
-            let _ = Store::open(&mut chip);
+            let _ = Store::<SLOT>::open(&mut chip, AREA, MARK);
             let (mut store, found) = chip.boot();
-            assert!(same(found, 999), "{supply}");
-            assert_eq!(store.save(&mut chip, &settings(7)), Ok(()), "{supply}");
+            assert!(same(found, SLOTS - 21), "{supply}");
+            assert_eq!(store.save(&mut chip, &payload(7)), Ok(()), "{supply}");
             assert!(same(chip.boot().1, 7), "{supply}");
         }
+    }
+
+    #[test]
+    fn records_of_another_mark_do_not_count_and_what_lies_outside_is_left_alone() {
+        let mut chip = Chip::new(0xff);
+        chip.bytes[..SECTOR as usize].fill(0x11);
+        let mut other = Store::<SLOT>::open(&mut chip, AREA, MARK + 1);
+        (0..3).for_each(|number| other.save(&mut chip, &payload(number)).unwrap());
+        let (mut store, found) = chip.boot();
+        assert!(found.is_none());
+        (0..2 * SLOTS).for_each(|number| {
+            if store.save(&mut chip, &payload(number)).is_err() {
+                store = chip.boot().0;
+            }
+        });
+        assert!(chip.bytes[..SECTOR as usize].iter().all(|&byte| byte == 0x11));
     }
 
     #[test]
@@ -276,10 +309,10 @@ mod tests {
         let mut chip = Chip::new(0x5a);
         let (mut store, found) = chip.boot();
         assert!(found.is_none());
-        assert_eq!(store.save(&mut chip, &settings(4)), Ok(()));
+        assert_eq!(store.save(&mut chip, &payload(4)), Ok(()));
         for bit in 0..8 * SLOT {
             let mut spoilt = Chip { bytes: chip.bytes.clone(), supply: usize::MAX };
-            spoilt.bytes[bit / 8] ^= 1 << (bit % 8);
+            spoilt.bytes[AREA as usize + bit / 8] ^= 1 << (bit % 8);
             assert!(spoilt.boot().1.is_none(), "{bit}");
         }
     }

@@ -37,7 +37,11 @@ pub fn build(feature: Option<&str>) -> Outcome<Images> {
     // a directory of its own: two compilers and their features do not share one
     let target = target().join("chip-image");
     let mut cargo = compiler()?;
-    cargo.current_dir(root()).env("CARGO_TARGET_DIR", &target).env("DEFMT_LOG", "info");
+    cargo
+        .current_dir(root())
+        .env("CARGO_TARGET_DIR", &target)
+        .env("DEFMT_LOG", "info")
+        .env("DEFMT_RTT_BUFFER_SIZE", "512");
     cargo.args(["--target", TARGET, "--profile", "chip", "--package", "firmware", "--bins"]);
     cargo.args(feature.map(|feature| format!("--features={feature}")));
     let status = cargo.status().map_err(|error| format!("cargo cannot be run ({error})"))?;

@@ -17,6 +17,7 @@
 //! Old sums fade with 30 s, which only lowers g.
 
 use super::model::{SIZES, Test};
+use super::{larger, smaller};
 
 /// Sums since a possible change.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -74,43 +75,43 @@ impl Evidence {
     /// information that it held.
     pub fn take(&mut self, test: &Test, score: f32, information: f32, air: f32, kept: f32, tick: u32) -> f32 {
         let [fast, slow] = self.spread;
-        let strength = test.calibration * air.max(fast).max(slow);
-        let limit = if fast > SCATTER * slow.max(1.0) { GUSTY } else { LIMIT };
+        let strength = test.calibration * larger(air, larger(fast, slow));
+        let limit = if fast > SCATTER * larger(slow, 1.0) { GUSTY } else { LIMIT };
         let [at_once, pace] = test.onset;
-        let mut best = Sums { since: tick, ..Sums::default() };
+        let (per_strength, per_air) = (1.0 / strength, 1.0 / air);
+        let (mut best, mut most) = (None, 0.0);
         for (sums, size) in self.sums.iter_mut().zip(test.sizes) {
             let reach = size.abs() - test.dead_zone;
             let grown = if sums.sum > 0.0 { sums.grown + pace * (1.0 - sums.grown) } else { at_once };
             let (z, i) = (grown * score, grown * grown * information);
             let toward = if size < 0.0 { -z } else { z };
-            let step = reach * (toward - (test.dead_zone + 0.5 * reach) * i) / strength;
-            let sum = kept * sums.sum + step.min(limit);
-            *sums = if reach > 0.0 && sum > 0.0 {
-                Sums {
-                    sum,
-                    grown,
-                    i: kept * sums.i + i / strength,
-                    z: kept * sums.z + z / air,
-                    mass: kept * sums.mass + i / air,
-                    since: sums.since,
+            let step = reach * (toward - (test.dead_zone + 0.5 * reach) * i) * per_strength;
+            let sum = kept * sums.sum + smaller(step, limit);
+            if reach > 0.0 && sum > 0.0 {
+                sums.sum = sum;
+                sums.grown = grown;
+                sums.i = kept * sums.i + i * per_strength;
+                sums.z = kept * sums.z + z * per_air;
+                sums.mass = kept * sums.mass + i * per_air;
+                if sum > most {
+                    (best, most) = (Some(&*sums), sum);
                 }
             } else {
-                Sums { since: tick, ..Sums::default() }
-            };
-            if sums.sum > best.sum {
-                best = *sums;
+                *sums = Sums { since: tick, ..Sums::default() };
             }
         }
-        let Sums { sum, grown, i, z, mass, since } = best;
-        self.best = if mass > 0.0 {
-            Finding { sum, likelihood: 0.5 * z * z / mass, size: z / mass, information: i, since }
-        } else {
-            Finding { since, ..Finding::default() }
+        let mut reached = 0.0;
+        self.best = match best {
+            Some(&Sums { sum, grown, i, z, mass, since }) if mass > 0.0 => {
+                reached = grown;
+                Finding { sum, likelihood: 0.5 * z * z / mass, size: z / mass, information: i, since }
+            }
+            _ => Finding { since: tick, ..Finding::default() },
         };
         if information > 0.0 {
-            let left = score - self.best.size * grown * information;
+            let left = score - self.best.size * reached * information;
             let most = OUTLIER * test.calibration * air;
-            let square = (left * left / information).min(most) / test.calibration;
+            let square = smaller(left * left / information, most) / test.calibration;
             let ([fast, slow], [of_fast, of_slow]) = (self.spread, SPREAD);
             self.spread = [fast + of_fast * (square - fast), slow + of_slow * (square - slow)];
         }

@@ -22,7 +22,7 @@ mod predictor;
 mod verdict;
 
 pub use evidence::{Evidence, Finding};
-pub use filter::{BLOCKS, Column, Filter, Rows, STATES, Transition};
+pub use filter::{BLOCKS, Bank, Column, Drive, Rows, STATES, Transition};
 pub use model::{CAUSES, Cause, MonitorModel, NUMBERS, Refusal, SIZES, Test};
 pub use predictor::{Predictor, Shown};
 pub use verdict::{Change, Unable, Verdict};
@@ -86,24 +86,49 @@ pub struct Observation {
     pub u_rad: f32,
 }
 
-/// Everything that changes from cycle to cycle.
-#[derive(Clone, Debug, PartialEq)]
+/// Everything that changes from cycle to cycle. Its default is the state before the first.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MonitorState {
     predictor: Predictor,
     blocks: [Block; CAUSES],
     evidence: [Evidence; CAUSES],
     motion: [f32; CAUSES],
     energy: f32,
-    fast: f32,
-    slow: f32,
-    strength: f32,
-    limit: f32,
+    background: Background,
     phase: u32,
     settled: u32,
     last: [f32; 2],
     repeats: u32,
     innovation: [f32; 2],
     judge: Judge,
+}
+
+/// How strong the air is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Background {
+    /// Mean square of the innovations over half a second and over 20 s.
+    fast: f32,
+    slow: f32,
+    /// κ: the larger of them.
+    strength: f32,
+    /// √ of that.
+    deviation: f32,
+}
+
+impl Default for Background {
+    fn default() -> Self {
+        Self { fast: 1.0, slow: 1.0, strength: 1.0, deviation: 1.0 }
+    }
+}
+
+impl Background {
+    fn take(&mut self, mean: f32) {
+        self.fast += FAST * (mean - self.fast);
+        self.slow += SLOW * (mean - self.slow);
+        let [least, largest] = STRENGTH;
+        self.strength = smaller(larger(larger(self.fast, self.slow), least), largest);
+        self.deviation = libm::sqrtf(self.strength);
+    }
 }
 
 /// Score and information of a block on its way.
@@ -128,15 +153,33 @@ pub struct MonitorReport {
     pub background: f32,
 }
 
+/// The larger of two numbers: `f32::max` is a call on the chip.
+const fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers.
+const fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
 impl MonitorConfig {
-    /// Checks the configuration and the model.
+    /// Whether every field lies in its range.
+    ///
+    /// # Errors
+    /// The field out of its range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        within("monitor.run_length", "h", self.run_length_h, [0.1, 1e4])
+    }
+
+    /// The monitor of a model that has been checked.
     ///
     /// The threshold is h = ln(m A), A the run length in blocks and m the number of sums.
     ///
     /// # Errors
     /// The field out of its range.
     pub fn build(&self, model: &MonitorModel) -> Result<Monitor, ConfigError> {
-        within("monitor.run_length", "h", self.run_length_h, [0.1, 1e4])?;
+        self.check()?;
         let blocks = self.run_length_h * 3600.0 / BLOCK_S;
         let threshold = libm::logf(blocks * (CAUSES * SIZES) as f32);
         Ok(Monitor { model: *model, watched: self.watched, threshold })
@@ -144,26 +187,10 @@ impl MonitorConfig {
 }
 
 impl Monitor {
-    /// The state before the first cycle. Assign it to reset.
+    /// The state before the first cycle.
     #[must_use]
     pub fn initial_state(&self) -> MonitorState {
-        MonitorState {
-            predictor: Predictor::default(),
-            blocks: [Block::default(); CAUSES],
-            evidence: [Evidence::default(); CAUSES],
-            motion: [0.0; CAUSES],
-            energy: 0.0,
-            fast: 1.0,
-            slow: 1.0,
-            strength: 1.0,
-            limit: LIMIT,
-            phase: 0,
-            settled: 0,
-            last: [0.0; 2],
-            repeats: 0,
-            innovation: [0.0; 2],
-            judge: Judge::default(),
-        }
+        MonitorState::default()
     }
 
     /// h: the sum at which a cause is told.
@@ -181,9 +208,7 @@ impl Monitor {
                 self.turn(state, tick)
             }
             Err(why) => {
-                let judge = core::mem::take(&mut state.judge);
-                *state =
-                    MonitorState { last: state.last, repeats: state.repeats, judge, ..self.initial_state() };
+                state.forget();
                 state.judge.unable(why)
             }
         };
@@ -193,13 +218,13 @@ impl Monitor {
             changed,
             innovation: state.innovation,
             evidence: state.evidence.each_ref().map(|evidence| evidence.best().sum / threshold),
-            background: libm::sqrtf(state.fast.max(state.slow)),
+            background: state.background.deviation,
         }
     }
 
     /// Adds what the cycle shows to the blocks.
     fn observe(&self, state: &mut MonitorState, y: [f32; 2], u: f32) {
-        let shown = state.predictor.step(&self.model, y, u, state.limit);
+        let shown = state.predictor.step(&self.model, y, u, LIMIT * state.background.deviation);
         state.innovation = shown.innovation;
         let [e_q, e_t] = shown.limited;
         state.energy += e_q * e_q + e_t * e_t;
@@ -215,7 +240,7 @@ impl Monitor {
         state.phase = if phase + 1 >= BLOCK { 0 } else { phase + 1 };
         state.settled = state.settled.saturating_add(1);
         let settled = state.settled > SETTLING;
-        let strength = state.strength;
+        let strength = state.background.strength;
         let causes = state.blocks.iter_mut().zip(&mut state.evidence).zip(&mut state.motion);
         if let Some((((block, evidence), motion), test)) = causes.zip(&self.model.tests).nth(phase as usize) {
             let Block { z, i } = core::mem::take(block);
@@ -225,26 +250,40 @@ impl Monitor {
             return false;
         }
         if phase + 1 < BLOCK {
+            if phase as usize == CAUSES {
+                let [_, w_tq, w_tt] = self.model.whitening;
+                let channels = if w_tq == 0.0 && w_tt == 0.0 { 1.0 } else { 2.0 };
+                let mean = core::mem::take(&mut state.energy) / (channels * BLOCK as f32);
+                if settled {
+                    state.background.take(mean);
+                }
+            }
             return false;
         }
-        let energy = core::mem::take(&mut state.energy);
         if !settled {
             return state.judge.unable(Unable::Settling);
         }
-        let [_, w_tq, w_tt] = self.model.whitening;
-        let channels = if w_tq == 0.0 && w_tt == 0.0 { 1.0 } else { 2.0 };
-        let mean = energy / (channels * BLOCK as f32);
-        state.fast += FAST * (mean - state.fast);
-        state.slow += SLOW * (mean - state.slow);
-        let [least, largest] = STRENGTH;
-        let strength = state.fast.max(state.slow).max(least).min(largest);
-        state.strength = strength;
-        state.limit = LIMIT * libm::sqrtf(strength);
         state.judge.step(&state.evidence, &state.motion, &self.model.tests, self.threshold)
     }
 }
 
 impl MonitorState {
+    /// Back to the state before the first cycle.
+    pub fn reset(&mut self) {
+        self.forget();
+        (self.last, self.repeats, self.judge) = ([0.0; 2], 0, Judge::default());
+    }
+
+    /// Back to the beginning, but for the verdict and the sensors. Part by part: a whole state on the way would stand on the stack.
+    fn forget(&mut self) {
+        self.predictor = Predictor::default();
+        self.blocks = [Block::default(); CAUSES];
+        self.evidence.iter_mut().for_each(|evidence| *evidence = Evidence::default());
+        self.motion = [0.0; CAUSES];
+        self.background = Background::default();
+        (self.energy, self.phase, self.settled, self.innovation) = (0.0, 0, 0, [0.0; 2]);
+    }
+
     /// The sample, if it can be used.
     fn usable(&mut self, measured: Option<[f32; 2]>, u: f32) -> Result<[f32; 2], Unable> {
         let y = measured.ok_or(Unable::NoSample)?;

@@ -161,6 +161,12 @@ impl fmt::Display for Refusal {
 /// Largest magnitude of a number.
 const LARGEST: f32 = 1e8;
 
+fn all_sound(numbers: &[f32; NUMBERS]) -> Result<(), Refusal> {
+    // written so that NaN fails
+    let sound = |number: &f32| number.abs() <= LARGEST;
+    numbers.iter().position(|number| !sound(number)).map_or(Ok(()), |place| Err(Refusal::Number { place }))
+}
+
 impl MonitorModel {
     /// All numbers, in the order of the fields.
     #[must_use]
@@ -181,6 +187,7 @@ impl MonitorModel {
     /// # Errors
     /// The first thing that is not as it has to be.
     pub fn from_numbers(numbers: &[f32; NUMBERS]) -> Result<Self, Refusal> {
+        all_sound(numbers)?;
         let mut model = Self::EMPTY;
         let mut from = numbers.iter();
         model.visit(&mut |value| {
@@ -188,7 +195,7 @@ impl MonitorModel {
                 *value = *number;
             }
         });
-        model.check().map(|()| model)
+        model.check_ranges().map(|()| model)
     }
 
     /// Whether a board may run it.
@@ -196,12 +203,11 @@ impl MonitorModel {
     /// # Errors
     /// The first thing that is not as it has to be.
     pub fn check(&self) -> Result<(), Refusal> {
-        let numbers = self.to_numbers();
-        // written so that NaN fails
-        let sound = |number: &f32| number.abs() <= LARGEST;
-        if let Some(place) = numbers.iter().position(|number| !sound(number)) {
-            return Err(Refusal::Number { place });
-        }
+        all_sound(&self.to_numbers())?;
+        self.check_ranges()
+    }
+
+    fn check_ranges(&self) -> Result<(), Refusal> {
         // Schur–Cohn for two real or complex poles
         let stable = |[a, b, c, d]: &[f32; 4]| {
             let (trace, product) = (a + d, a * d - b * c);
@@ -231,21 +237,22 @@ impl MonitorModel {
             .map_or(Ok(()), |(name, ..)| Err(Refusal::Range { name }))
     }
 
-    const EMPTY: Self = Self {
+    /// A model that watches for nothing.
+    pub const EMPTY: Self = Self {
         transition: [[0.0; 4]; BLOCKS],
         moment: [0.0; STATES],
         correction: [[0.0; STATES]; 2],
         output: [[0.0; STATES]; 2],
-        whitening: [0.0; 3],
+        whitening: [1.0, 0.0, 0.0],
         rest: [0.0; 2],
-        gain: 0.0,
+        gain: 1.0,
         delay_samples: 0.0,
         delay_fraction: 0.0,
-        lag: [0.0; 2],
-        friction_rate: 0.0,
+        lag: [1.0; 2],
+        friction_rate: 1.0,
         trim: [0.0; 2],
         bias: [0.0; 2],
-        tests: [Test { dead_zone: 0.0, calibration: 0.0, onset: [0.0; 2], sizes: [0.0; SIZES] }; CAUSES],
+        tests: [Test { dead_zone: 0.0, calibration: 1.0, onset: [1.0, 0.0], sizes: [0.0; SIZES] }; CAUSES],
     };
 
     fn visit(&mut self, see: &mut impl FnMut(&mut f32)) {

@@ -8,25 +8,20 @@
 //! | gyro scale | −L_q q̂ | W q̂ |
 //! | trim moment, gyro bias | nothing: what they leave is constant | |
 
-use super::filter::Filter;
+use super::filter::{Bank, Drive};
 use super::model::{CAUSES, MonitorModel};
+use super::{larger, smaller};
 use crate::constants::MAX_INPUT_DELAY;
 
 const SLOTS: usize = MAX_INPUT_DELAY as usize + 2;
 
-/// The filters of predictor and causes.
+/// The predictor, and the filters of the causes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Predictor {
     commands: [f32; SLOTS],
     newest: usize,
     lagging: f32,
-    by_command: Filter,
-    by_motion: Filter,
-    lag: Filter,
-    damping: Filter,
-    friction: Filter,
-    scale: Filter,
-    stiffness: Filter,
+    bank: Bank,
 }
 
 /// What one cycle shows.
@@ -45,36 +40,37 @@ impl Predictor {
     #[inline]
     pub fn step(&mut self, model: &MonitorModel, [q, theta]: [f32; 2], u: f32, limit: f32) -> Shown {
         let [w_qq, w_tq, w_tt] = model.whitening;
-        let caused = self.by_command.output(&model.output);
-        let ([c_q, c_t], [m_q, m_t]) = (caused, self.by_motion.output(&model.output));
+        let outputs = self.bank.outputs(&model.output);
+        let [caused, lag, damping, friction, stiffness, [m_q, m_t], [s_q, s_t]] = outputs;
+        let [c_q, c_t] = caused;
         let [rest_q, rest_t] = model.rest;
         let innovation = [w_qq * q - (c_q + m_q + rest_q), w_tq * q + w_tt * theta - (c_t + m_t + rest_t)];
-        let limited = innovation.map(|e| e.max(-limit).min(limit));
+        let limited = innovation.map(|e| smaller(larger(e, -limit), limit));
         let [e_q, _] = limited;
         let predicted = q - e_q / w_qq;
-        let [s_q, s_t] = self.scale.output(&model.output);
         let traces = [
             caused,
-            self.lag.output(&model.output),
+            lag,
             model.trim,
-            self.damping.output(&model.output),
-            self.friction.output(&model.output),
+            damping,
+            friction,
             model.bias,
             [w_qq * predicted + s_q, w_tq * predicted + s_t],
-            self.stiffness.output(&model.output),
+            stiffness,
         ];
 
         let (arriving, lagging) = self.arrive(model, u);
-        let ([_, length], [l_q, l_t]) = (model.lag, &model.correction);
-        let (f, moment) = (&model.transition, &model.moment);
-        self.by_command.advance(f, moment, model.gain * arriving);
-        self.by_motion.advance(f, l_q, q);
-        self.by_motion.add(l_t, theta);
-        self.lag.advance(f, moment, model.gain * (lagging - arriving) / length);
-        self.damping.advance(f, moment, -predicted);
-        self.friction.advance(f, moment, -predicted / (predicted.abs() + model.friction_rate));
-        self.scale.advance(f, l_q, -predicted);
-        self.stiffness.advance(f, moment, -theta);
+        let [_, length] = model.lag;
+        let inputs = [
+            model.gain * arriving,
+            model.gain * (lagging - arriving) / length,
+            -predicted,
+            -predicted / (predicted.abs() + model.friction_rate),
+            -theta,
+            q,
+            -predicted,
+        ];
+        self.bank.advance(model, &Drive { inputs, theta });
         Shown { innovation, limited, traces }
     }
 

@@ -2,9 +2,9 @@
 
 use core::fmt;
 
-use super::BLOCK;
 use super::evidence::{Evidence, Finding};
 use super::model::{CAUSES, Cause, Test};
+use super::{BLOCK, larger};
 use crate::constants::SAMPLE_PERIOD_S;
 use crate::decimal::Decimal;
 
@@ -63,6 +63,20 @@ pub enum Verdict {
     CannotTell(Unable),
 }
 
+impl Verdict {
+    /// Whether it says the same but for sizes and times.
+    #[must_use]
+    pub fn is_like(&self, other: &Self) -> bool {
+        let kind = |verdict: &Self| match verdict {
+            Self::Changed(change) => (Some(change.cause), None, None),
+            Self::OneOf(a, b) => (Some(a.cause), Some(b.cause), None),
+            Self::CannotTell(why) => (None, None, Some(*why)),
+            Self::AsIdentified | Self::SomethingElse { .. } => (None, None, None),
+        };
+        core::mem::discriminant(self) == core::mem::discriminant(other) && kind(self) == kind(other)
+    }
+}
+
 impl fmt::Display for Unable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -97,7 +111,7 @@ impl Change {
         let (mut size, mut interval) = (found.size, 1.96 * deviation);
         if cause == Cause::GyroScale {
             // ψ is made of the measured rate, which is (1 + s) q: the score gives s / (1 + s)
-            let rest = (1.0 - size).max(0.1);
+            let rest = larger(1.0 - size, 0.1);
             (size, interval) = (size / rest, interval / (rest * rest));
         }
         Self { cause, size, interval, since: found.since }
@@ -147,14 +161,7 @@ impl Judge {
     }
 
     fn settle(&mut self, verdict: Verdict) -> bool {
-        let kind = |verdict: &Verdict| match verdict {
-            Verdict::Changed(change) => (Some(change.cause), None, None),
-            Verdict::OneOf(a, b) => (Some(a.cause), Some(b.cause), None),
-            Verdict::CannotTell(why) => (None, None, Some(*why)),
-            Verdict::AsIdentified | Verdict::SomethingElse { .. } => (None, None, None),
-        };
-        let new = core::mem::discriminant(&verdict) != core::mem::discriminant(&self.verdict)
-            || kind(&verdict) != kind(&self.verdict);
+        let new = !verdict.is_like(&self.verdict);
         self.verdict = verdict;
         new
     }
@@ -173,7 +180,7 @@ impl Judge {
         let (mut highest, mut next, mut largest) = (0.0, 0.0, 0.0_f32);
         for (cause, evidence) in Cause::ALL.into_iter().zip(evidence) {
             let found = evidence.best();
-            largest = largest.max(found.sum);
+            largest = larger(largest, found.sum);
             // it stands for all that has no name, and a name that explains as much is better
             let likelihood = match cause {
                 Cause::Stiffness => (1.0 - SHARE) * found.likelihood - LEAD,
@@ -194,7 +201,7 @@ impl Judge {
             let test = Cause::ALL.iter().zip(tests).find(|(of, _)| **of == cause).map(|(_, test)| test);
             Change::of(cause, &found, test.map_or(0.0, |test| test.dead_zone))
         };
-        let lead = LEAD.max(SHARE * highest);
+        let lead = larger(LEAD, SHARE * highest);
         if let Verdict::Changed(told) = self.verdict {
             // what has been told stays told until something else is clearly better
             let own = Cause::ALL.into_iter().zip(evidence).find(|(of, _)| *of == told.cause);
@@ -217,7 +224,7 @@ impl Judge {
 /// As identified, if a change of effectiveness of the largest size tested would have been seen within the memory.
 fn quiet(motion: &[f32; CAUSES], tests: &[Test; CAUSES], threshold: f32) -> Verdict {
     let ([seen, ..], [test, ..]) = (motion, tests);
-    let largest = test.sizes.iter().fold(0.0_f32, |largest, size| largest.max(size.abs()));
+    let largest = test.sizes.iter().fold(0.0_f32, |largest, size| larger(largest, size.abs()));
     let reach = largest - test.dead_zone;
     if 0.5 * reach * reach * seen >= threshold {
         Verdict::AsIdentified

@@ -21,10 +21,10 @@ mod board;
 #[cfg(target_os = "none")]
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
-    use estimator_core::Telemetry;
+    use firmware::watch::Watch;
     use heapless::spsc::{Producer, Queue};
 
-    use crate::board::control::{Control, Desk, Test};
+    use crate::board::control::{Control, Desk, Report, Test};
     use crate::board::link::Link;
     use crate::board::uart::Uart;
     use crate::board::{self, Parts};
@@ -38,15 +38,16 @@ mod app {
     #[local]
     struct Local {
         control: Control,
-        reports: Producer<'static, Telemetry>,
+        reports: Producer<'static, Report>,
         uart: Uart,
         link: Link,
     }
 
     #[init(local = [
-        report_queue: Queue<Telemetry, 4> = Queue::new(),
+        report_queue: Queue<Report, 4> = Queue::new(),
         receive_queue: Queue<u8, 1024> = Queue::new(),
-        send_queue: Queue<u8, 4096> = Queue::new(),
+        send_queue: Queue<u8, 3072> = Queue::new(),
+        watch: Option<Watch> = None,
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (reports, reported) = cx.local.report_queue.split();
@@ -55,7 +56,7 @@ mod app {
         let Parts { control, tx, rx, cause, clock_hz, memory } = board::start(cx.device, cx.core);
         let uart = Uart { tx, rx, received, sending };
         let link = Link::new(incoming, outgoing, reported, control.sensors(), cause, clock_hz, memory);
-        let test = link.test();
+        let test = link.test(cx.local.watch.insert(Watch::default()));
         (Shared { test, desk: Desk::default() }, Local { control, reports, uart, link })
     }
 
@@ -80,6 +81,7 @@ mod app {
     fn idle(cx: idle::Context) -> ! {
         let idle::SharedResources { mut test, mut desk, .. } = cx.shared;
         let link = cx.local.link;
+        link.recall();
         link.greet();
         loop {
             while let Some(action) = link.listen() {

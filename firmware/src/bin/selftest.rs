@@ -20,6 +20,9 @@ mod count {
     use defmt_rtt as _;
     use estimator_core::constants::MAX_TAPS;
     use estimator_core::lms::{LmsConfig, LmsState, NormalizedLms};
+    use estimator_core::monitor::{
+        CAUSES, Monitor, MonitorConfig, MonitorModel, MonitorReport, MonitorState, Observation, Test,
+    };
     use estimator_core::{Command, Config, Cycle, CycleState, Input, Sample};
     use firmware::pitch_filter::{Motion, PitchFilter};
     use firmware::servo::ServoConfig;
@@ -94,6 +97,59 @@ mod count {
         hprintln!("cycle {}", instructions(most));
     }
 
+    /// A model with six states and delay in which every cause is tested.
+    fn model() -> MonitorModel {
+        let test = Test {
+            dead_zone: 0.05,
+            calibration: 1.2,
+            onset: [0.3, 0.1],
+            sizes: [-0.6, -0.3, -0.15, 0.15, 0.3, 0.6],
+        };
+        MonitorModel {
+            transition: [[0.9, 0.2, -0.2, 0.9], [0.7, 0.0, 0.0, 0.6], [0.95, 0.1, -0.1, 0.95]],
+            moment: [0.02, 0.01, 0.03, 0.01, 0.002, 0.001],
+            correction: [[0.1, 0.05, 0.02, 0.3, 0.01, 0.02], [0.2, 0.1, 0.01, 0.04, 0.1, 0.05]],
+            output: [[3.0, 1.0, 2.0, 0.5, 1.0, 0.3], [0.3, 2.0, 0.1, 1.0, 0.5, 2.0]],
+            whitening: [30.0, -5.0, 200.0],
+            gain: 130.0,
+            delay_samples: 2.0,
+            delay_fraction: 0.4,
+            lag: [0.4, 0.035],
+            friction_rate: 0.01,
+            trim: [0.5, 0.2],
+            bias: [5.0, -1.0],
+            tests: [test; CAUSES],
+            ..MonitorModel::EMPTY
+        }
+    }
+
+    /// The most that the monitor takes in a cycle, over 3000 of them.
+    fn monitor(counter: &mut SYST) {
+        let Ok(monitor) = MonitorConfig::default().build(&model()) else { return };
+        let (mut state, mut most, mut signal) = (monitor.initial_state(), 0, 1_u32);
+        for tick in 0..3000_u32 {
+            signal = signal.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let noise = (signal >> 8) as f32 / 16_777_216.0 - 0.5;
+            let swing = libm::sinf(0.06 * tick as f32);
+            let seen = Observation {
+                tick,
+                measured: Some([0.3 * swing + 0.1 * noise, 0.1 * swing]),
+                u_rad: 0.02 * swing,
+            };
+            let spent = ticks(counter, || {
+                black_box(watched(&monitor, &mut state, black_box(&seen)));
+            });
+            most = spent.max(most);
+        }
+        hprintln!("monitor {}", instructions(most));
+        hprintln!("monitor_state_bytes {}", size_of::<Monitor>() + size_of::<MonitorState>());
+    }
+
+    #[inline(never)]
+    fn watched(monitor: &Monitor, state: &mut MonitorState, seen: &Observation) -> MonitorReport {
+        monitor.step(state, seen)
+    }
+
     fn one(
         cycle: &Cycle<MAX_TAPS>,
         state: &mut CycleState<MAX_TAPS>,
@@ -117,6 +173,7 @@ mod count {
             counter.enable_counter();
             [16, 32, 50, 64, 128, 256].into_iter().for_each(|taps| nlms(&mut counter, taps));
             cycle(&mut counter);
+            monitor(&mut counter);
             hprintln!(
                 "core_state_bytes {}",
                 size_of::<Cycle<MAX_TAPS>>() + size_of::<CycleState<MAX_TAPS>>()

@@ -1,11 +1,13 @@
 //! The control cycle: read, estimate the attitude, step the core, move the servos, report.
 
 use estimator_core::constants::{MAX_TAPS, TICK_US};
+use estimator_core::monitor::MonitorReport;
 use estimator_core::{Command, Cycle, CycleState, Input, Sample, Telemetry};
 use firmware::deadline::{Deadline, Verdict};
 use firmware::hil::HilTick;
 use firmware::pitch_filter::{Motion, PitchFilter};
 use firmware::reset_record::Cause;
+use firmware::watch::Watch;
 use heapless::spsc::Producer;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::timer::Flag;
@@ -13,10 +15,17 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::{BoardImu, BoardServos, Timer, failsafe};
 
-/// The test and how far it has got.
+/// The test and how far it has got, and the monitor beside it.
 pub struct Test {
     pub cycle: Cycle<MAX_TAPS>,
     pub state: CycleState<MAX_TAPS>,
+    pub watch: &'static mut Watch,
+}
+
+/// What a cycle reports.
+pub struct Report {
+    pub telemetry: Telemetry,
+    pub monitor: Option<MonitorReport>,
 }
 
 /// What the link leaves for the cycle.
@@ -69,7 +78,7 @@ impl Control {
     }
 
     /// One interrupt.
-    pub fn step(&mut self, test: &mut Test, desk: &mut Desk, reports: &mut Producer<'static, Telemetry>) {
+    pub fn step(&mut self, test: &mut Test, desk: &mut Desk, reports: &mut Producer<'static, Report>) {
         self.timer.clear_flags(Flag::Update);
         #[cfg(feature = "provoked-faults")]
         self.provoke(desk.reference_rad);
@@ -81,8 +90,9 @@ impl Control {
             let u_rad = if desk.armed && !desk.hil { telemetry.u_rad } else { 0.0 };
             // the timer's channels refuse nothing
             let _ = self.servos.set(u_rad);
+            let monitor = if desk.armed { test.watch.step(&telemetry) } else { None };
             // a full queue costs the ground a report and the cycle nothing
-            let _ = reports.enqueue(telemetry);
+            let _ = reports.enqueue(Report { telemetry, monitor });
         }
         self.meet_deadline(desk.hil);
     }

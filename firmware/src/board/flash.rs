@@ -1,16 +1,17 @@
-//! The two last sectors of the chip's flash, which the linker leaves free.
+//! The four last sectors of the chip's flash, which the linker leaves free.
 #![allow(unsafe_code)]
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use firmware::store::{LENGTH, SECTOR};
+use firmware::settings::LENGTH;
+use firmware::store::SECTOR;
 use stm32f4xx_hal::flash::FlashExt;
 use stm32f4xx_hal::pac::FLASH;
 
 /// Number of the first of them (reference manual RM0090, table 5).
-const FIRST: u32 = 10;
-const OFFSET: usize = 0xC_0000;
+const FIRST: u32 = 8;
+const OFFSET: usize = 0x8_0000;
 
-/// Sectors 10 and 11.
+/// Sectors 8 to 11.
 pub struct Sectors(pub FLASH);
 
 impl ErrorType for Sectors {

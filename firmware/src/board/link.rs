@@ -2,18 +2,20 @@
 
 use core::fmt::Write as _;
 use estimator_core::constants::MAX_TAPS;
-use estimator_core::{Command, Config, Telemetry};
+use estimator_core::{Command, Config};
 use firmware::link::decoder::Decoder;
 use firmware::link::ground::extra_crc;
 use firmware::link::{Action, Ground};
 use firmware::reset_record::Cause;
-use firmware::store::{Settings, Store};
+use firmware::settings::Memory;
+use firmware::store::NotKept;
+use firmware::watch::Watch;
 use heapless::String;
 use heapless::spsc::{Consumer, Producer};
 use mavlink::dialects::common::MavSeverity;
 use stm32f4xx_hal::pac::Interrupt;
 
-use super::control::{Desk, Test};
+use super::control::{Desk, Report, Test};
 use super::failsafe;
 use super::flash::Sectors;
 
@@ -23,24 +25,12 @@ pub struct Link {
     decoder: Decoder,
     incoming: Consumer<'static, u8>,
     outgoing: Outgoing,
-    reported: Consumer<'static, Telemetry>,
+    reported: Consumer<'static, Report>,
     cause: Option<Cause>,
     clock_hz: u32,
-    memory: Memory,
-}
-
-/// What outlives the power.
-pub struct Memory {
-    flash: Sectors,
-    store: Store,
-    found: Option<Settings>,
-}
-
-impl Memory {
-    pub fn open(mut flash: Sectors) -> Self {
-        let (store, found) = Store::open(&mut flash);
-        Self { flash, store, found }
-    }
+    memory: Memory<Sectors>,
+    /// A model has come that the flash does not hold yet.
+    model_unkept: bool,
 }
 
 /// Frames on their way to the USART.
@@ -68,19 +58,16 @@ impl Link {
     pub fn new(
         incoming: Consumer<'static, u8>,
         queue: Producer<'static, u8>,
-        reported: Consumer<'static, Telemetry>,
+        reported: Consumer<'static, Report>,
         sensors: bool,
         cause: Option<Cause>,
         clock_hz: u32,
-        memory: Memory,
+        memory: Memory<Sectors>,
     ) -> Self {
         let Ok(mut ground) = Ground::new(Config::default()) else {
             failsafe::give_up(Cause::Panic { line: line!() })
         };
         ground.sensors = sensors;
-        if memory.found.is_some_and(|settings| !ground.restore(&settings)) {
-            defmt::warn!("the settings in flash are not legal; the defaults stand");
-        }
         let outgoing = Outgoing { queue, lost: 0 };
         Self {
             ground,
@@ -91,17 +78,28 @@ impl Link {
             cause,
             clock_hz,
             memory,
+            model_unkept: false,
         }
     }
 
-    /// A test as it is configured now, not yet begun.
-    pub fn test(&self) -> Test {
+    /// A test as it is configured now, not yet begun, and no monitor.
+    pub fn test(&self, watch: &'static mut Watch) -> Test {
         let cycle = *self.ground.test();
-        let state = cycle.initial_state();
-        Test { cycle, state }
+        Test { cycle, state: cycle.initial_state(), watch }
+    }
+
+    /// Takes up what was kept.
+    #[inline(never)]
+    pub fn recall(&mut self) {
+        let Self { ground, memory, .. } = self;
+        if memory.settings().is_some_and(|settings| !ground.restore(&settings)) {
+            defmt::warn!("the settings in flash are not legal; the defaults stand");
+        }
+        ground.upload().restore(|numbers| memory.recall_model(numbers));
     }
 
     /// Says that the board is up, on what clock, and why it was reset.
+    #[inline(never)]
     pub fn greet(&mut self) {
         let Self { ground, outgoing, cause, clock_hz, .. } = self;
         let mut text = String::<80>::new();
@@ -130,12 +128,19 @@ impl Link {
     }
 
     /// Does it, with the control cycle held off.
+    #[inline(never)]
     pub fn act(&mut self, action: Action, test: &mut Test, desk: &mut Desk) {
         match action {
-            Action::Arm => desk.armed = true,
+            Action::Arm => {
+                if !desk.armed {
+                    self.ground.begin(test.watch);
+                }
+                desk.armed = true;
+            }
             Action::Disarm => (desk.armed, desk.command) = (false, Command::Abort),
             Action::Start => {
-                *test = self.test();
+                test.cycle = *self.ground.test();
+                test.state = test.cycle.initial_state();
                 desk.command = Command::Start;
             }
             Action::Abort => desk.command = Command::Abort,
@@ -145,23 +150,38 @@ impl Link {
                 rtic::pend(Interrupt::TIM2);
             }
             Action::Reference(reference_rad) => desk.reference_rad = reference_rad,
+            Action::Model => self.model_unkept = true,
         }
     }
 
     /// Sends what the cycles have reported.
+    #[inline(never)]
     pub fn tell(&mut self, mut taps: impl FnMut() -> [f32; MAX_TAPS]) {
-        let Self { ground, outgoing, reported, memory, .. } = self;
-        while let Some(telemetry) = reported.dequeue() {
+        let Self { ground, outgoing, reported, memory, model_unkept, .. } = self;
+        while let Some(Report { telemetry, monitor }) = reported.dequeue() {
             if let Some(event) = telemetry.event {
                 defmt::info!("{}", defmt::Display2Format(&event));
             }
-            ground.report(&telemetry, &mut taps, &mut |frame| outgoing.send(frame));
+            ground.report(&telemetry, monitor.as_ref(), &mut taps, &mut |frame| outgoing.send(frame));
         }
-        if let Some(settings) = ground.take_unsaved() {
-            let Memory { flash, store, .. } = memory;
-            if store.save(flash, &settings).is_err() {
-                let why = "settings not kept: flash full or failing, restart";
-                ground.say(MavSeverity::MAV_SEVERITY_WARNING, why, &mut |frame| outgoing.send(frame));
+        let mut said = |ground: &mut Ground, severity, text: &str| {
+            ground.say(severity, text, &mut |frame| outgoing.send(frame));
+        };
+        if let Some(settings) = ground.take_unsaved()
+            && memory.keep(&settings).is_err()
+        {
+            let why = "settings not kept: flash full or failing, restart";
+            said(ground, MavSeverity::MAV_SEVERITY_WARNING, why);
+        }
+        if core::mem::take(model_unkept)
+            && let Some(kept) = ground.upload().numbers().map(|numbers| memory.keep_model(numbers))
+        {
+            match kept {
+                Ok(()) => said(ground, MavSeverity::MAV_SEVERITY_INFO, "monitor: model taken and kept"),
+                Err(NotKept) => {
+                    let why = "monitor: model taken, but not kept: flash full or failing";
+                    said(ground, MavSeverity::MAV_SEVERITY_WARNING, why);
+                }
             }
         }
     }

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | control cycle | TIM2, 50 Hz |
 //! | link | USART2, PA2 transmit, PA3 receive, 230400 baud |
-//! | settings | the last two sectors of the flash |
+//! | settings, the monitor's model | the last four sectors of the flash |
 //! | IMU | SPI1, PA5 clock, PA6 from the chip, PA7 to the chip, PA4 select |
 //! | collective servos | TIM4, PB6 front rotor, PB7 rear rotor, 200 Hz |
 
@@ -21,6 +21,7 @@ use embedded_hal_bus::spi::ExclusiveDevice;
 use firmware::imu::Imu;
 use firmware::reset_record::Cause;
 use firmware::servo::{ServoConfig, Servos};
+use firmware::settings::Memory;
 use stm32f4xx_hal::gpio::{Output, Pin};
 use stm32f4xx_hal::pac::{self, SPI1, TIM2, TIM4, USART2};
 use stm32f4xx_hal::prelude::*;
@@ -57,7 +58,7 @@ pub struct Parts {
     /// Why the board was reset, if it kept a reason.
     pub cause: Option<Cause>,
     pub clock_hz: u32,
-    pub memory: link::Memory,
+    pub memory: Memory<flash::Sectors>,
 }
 
 /// Brings the board up: servos to neutral first, then the rest.
@@ -94,7 +95,7 @@ pub fn start(device: pac::Peripherals, core: cortex_m::Peripherals) -> Parts {
     rx.listen();
 
     // before the watchdog: making room takes seconds
-    let memory = link::Memory::open(flash::Sectors(device.FLASH));
+    let memory = Memory::open(flash::Sectors(device.FLASH));
     let mut timer = device.TIM2.counter_hz(&mut rcc);
     if timer.start(RATE_HZ.Hz()).is_err() {
         failsafe::give_up(Cause::Panic { line: line!() });

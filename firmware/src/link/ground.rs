@@ -8,9 +8,10 @@
 //!
 //! With a key set, everything that comes in unsigned, replayed or signed with another key is passed over.
 
-use core::fmt::Write as _;
+use core::fmt::{self, Write as _};
 
 use estimator_core::constants::MAX_TAPS;
+use estimator_core::monitor::{MonitorReport, Verdict};
 use estimator_core::{Config, ConfigError, Cycle, Event, Phase, Telemetry};
 use heapless::String;
 use mavlink::MavlinkVersion::V2;
@@ -26,9 +27,13 @@ use crate::hil::{HilClock, HilTick};
 use crate::link::decoder::Frame;
 use crate::link::frame::{Header, encode, sign};
 use crate::link::signing::{Gate, Key};
-use crate::link::telemetry::{actuators, attitude, cycle_array, phase_code, taps_arrays, texts};
+use crate::link::telemetry::{
+    actuators, attitude, cycle_array, monitor_value, phase_code, taps_arrays, texts,
+};
+use crate::link::upload::{self, Progress, Upload};
 use crate::parameters::{self, PARAMETERS, Refusal};
-use crate::store::Settings;
+use crate::settings::Settings;
+use crate::watch::Watch;
 
 /// System and component of this vehicle.
 pub const SYSTEM: u8 = 1;
@@ -57,6 +62,8 @@ pub enum Action {
     Tick(HilTick),
     /// Pitch reference of section IV, rad.
     Reference(f32),
+    /// A model of the monitor has come: keep it.
+    Model,
 }
 
 /// The ground's view of the vehicle, and the parameters.
@@ -77,6 +84,9 @@ pub struct Ground {
     /// Ticks until a change is to be kept.
     unsaved: Option<u32>,
     gate: Option<Gate>,
+    upload: Upload,
+    /// What the monitor said last; none before it has said anything since the vehicle was armed.
+    verdict: Option<Verdict>,
     sequence: u8,
     text: u16,
 }
@@ -86,6 +96,7 @@ pub struct Ground {
 pub fn extra_crc(id: u32) -> Option<u8> {
     Some(match id {
         COMMAND_LONG_DATA::ID => COMMAND_LONG_DATA::EXTRA_CRC,
+        DEBUG_FLOAT_ARRAY_DATA::ID => DEBUG_FLOAT_ARRAY_DATA::EXTRA_CRC,
         HIL_SENSOR_DATA::ID => HIL_SENSOR_DATA::EXTRA_CRC,
         MANUAL_CONTROL_DATA::ID => MANUAL_CONTROL_DATA::EXTRA_CRC,
         PARAM_REQUEST_LIST_DATA::ID => PARAM_REQUEST_LIST_DATA::EXTRA_CRC,
@@ -116,6 +127,8 @@ impl Ground {
             taps_wanted: false,
             unsaved: None,
             gate: None,
+            upload: Upload::default(),
+            verdict: None,
             sequence: 0,
             text: 0,
         })
@@ -128,6 +141,17 @@ impl Ground {
         (self.config, self.test, self.taps) = (config, test, usize::from(config.lms.taps));
         self.gate = settings.signing.map(|(key, timestamp)| Gate::new(key, timestamp));
         true
+    }
+
+    /// The monitor's model, and what has come of it.
+    pub const fn upload(&mut self) -> &mut Upload {
+        &mut self.upload
+    }
+
+    /// Begins `watch` anew, with the model and the configuration as they are now.
+    #[inline(never)]
+    pub fn begin(&self, watch: &mut Watch) {
+        watch.begin(&self.config.monitor, self.upload.model().as_ref());
     }
 
     /// What is to be kept, a second after the last change.
@@ -144,6 +168,7 @@ impl Ground {
     }
 
     /// Answers one frame.
+    #[inline(never)]
     pub fn receive(&mut self, frame: &Frame<'_>, out: &mut impl FnMut(&[u8])) -> Option<Action> {
         if self.gate.as_mut().is_some_and(|gate| !gate.admits(frame)) {
             return None;
@@ -151,6 +176,9 @@ impl Ground {
         let payload = frame.payload();
         match frame.id() {
             COMMAND_LONG_DATA::ID => self.command(&COMMAND_LONG_DATA::deser(V2, payload).ok()?, out),
+            DEBUG_FLOAT_ARRAY_DATA::ID => {
+                self.take_piece(&DEBUG_FLOAT_ARRAY_DATA::deser(V2, payload).ok()?, out)
+            }
             HIL_SENSOR_DATA::ID => {
                 let sensor = HIL_SENSOR_DATA::deser(V2, payload).ok()?;
                 self.hil.then(|| Action::Tick(self.clock.step(&sensor)))
@@ -216,17 +244,42 @@ impl Ground {
         }
     }
 
+    /// A piece of the monitor's model.
+    #[inline(never)]
+    fn take_piece(&mut self, piece: &DEBUG_FLOAT_ARRAY_DATA, out: &mut impl FnMut(&[u8])) -> Option<Action> {
+        if piece.name.to_str() != Ok(upload::NAME) {
+            return None;
+        }
+        let mut text = String::<120>::new();
+        let progress = if self.armed { None } else { Some(self.upload.take(piece)) };
+        // what does not fit is left off
+        let _ = match &progress {
+            None => text.push_str("monitor refused: disarm first").map_err(|_| fmt::Error),
+            Some(Progress::Broken) => {
+                text.push_str("monitor refused: not what was sent").map_err(|_| fmt::Error)
+            }
+            Some(Progress::Refused(why)) => write!(text, "monitor refused: {why}"),
+            Some(Progress::Partly | Progress::Whole | Progress::Again) => Ok(()),
+        };
+        if !text.is_empty() {
+            self.say(MavSeverity::MAV_SEVERITY_WARNING, &text, out);
+        }
+        self.send(&self.upload.answer(piece, !text.is_empty()), out);
+        (progress == Some(Progress::Whole)).then_some(Action::Model)
+    }
+
     fn note(&mut self, action: Action) {
         match action {
             // the timestamp of an order that arms is kept, so that it cannot be replayed after the power was off
             Action::Arm => {
+                self.verdict = self.verdict.filter(|_| self.armed);
                 self.armed = true;
                 self.unsaved = self.unsaved.or(self.gate.as_ref().map(|_| SECOND));
             }
             Action::Disarm => (self.armed, self.running) = (false, false),
             Action::Start => (self.running, self.taps) = (true, usize::from(self.config.lms.taps)),
             Action::Hil(on) => (self.hil, self.clock) = (on, HilClock::default()),
-            Action::Abort | Action::Tick(_) | Action::Reference(_) => {}
+            Action::Abort | Action::Tick(_) | Action::Reference(_) | Action::Model => {}
         }
     }
 
@@ -288,9 +341,11 @@ impl Ground {
     }
 
     /// Tells the ground what a cycle did; `taps` are fetched once a second, at the end of a test, and on request.
+    #[inline(never)]
     pub fn report(
         &mut self,
         telemetry: &Telemetry,
+        monitor: Option<&MonitorReport>,
         taps: impl FnOnce() -> [f32; MAX_TAPS],
         out: &mut impl FnMut(&[u8]),
     ) {
@@ -304,6 +359,10 @@ impl Ground {
             let mut text = String::<160>::new();
             let _ = write!(text, "{event}");
             self.say(severity(event), &text, out);
+        }
+        if let Some(report) = monitor {
+            self.tell(&report.verdict, out);
+            self.send(&monitor_value(report, telemetry), out);
         }
         let second = telemetry.tick.is_multiple_of(SECOND);
         if second {
@@ -320,6 +379,23 @@ impl Ground {
         }
         // last, so that in lockstep it tells that all of the tick has been said
         self.send(&cycle_array(telemetry), out);
+    }
+
+    /// Tells a verdict that is new.
+    fn tell(&mut self, verdict: &Verdict, out: &mut impl FnMut(&[u8])) {
+        if self.verdict.as_ref().is_some_and(|last| last.is_like(verdict)) {
+            return;
+        }
+        self.verdict = Some(*verdict);
+        let severity = match verdict {
+            Verdict::Changed(_) | Verdict::OneOf(..) | Verdict::SomethingElse { .. } => {
+                MavSeverity::MAV_SEVERITY_WARNING
+            }
+            Verdict::AsIdentified | Verdict::CannotTell(_) => MavSeverity::MAV_SEVERITY_INFO,
+        };
+        let mut text = String::<160>::new();
+        let _ = write!(text, "monitor: {verdict}");
+        self.say(severity, &text, out);
     }
 
     /// Sends the state of the vehicle.

@@ -15,18 +15,22 @@
 //!
 //! in full `f32`, so a recording made of them replays to the same bits (the tick is exact up to 2²⁴). The name `taps` carries
 //! w in pieces of 58, the piece's number in `array_id`.
+//!
+//! While the monitor runs, one `NAMED_VALUE_FLOAT` a cycle, each of ten names five times a second: `ev_...` the evidence of a cause
+//! over the threshold, `e_q` and `e_theta` the innovations in their identified deviations.
 
+use estimator_core::monitor::{CAUSES, MonitorReport};
 use estimator_core::{Phase, Section, Telemetry, Verdict};
 use mavlink::dialects::common::{
     ATTITUDE_DATA, DEBUG_FLOAT_ARRAY_DATA, HIL_ACTUATOR_CONTROLS_DATA, HilActuatorControlsFlags, MavModeFlag,
-    MavSeverity, STATUSTEXT_DATA,
+    MavSeverity, NAMED_VALUE_FLOAT_DATA, STATUSTEXT_DATA,
 };
 use mavlink::types::CharArray;
 
 use crate::servo::ServoConfig;
 
 /// Floats in one `DEBUG_FLOAT_ARRAY`.
-const PIECE: usize = 58;
+pub const PIECE: usize = 58;
 /// The `cycle` array.
 #[must_use]
 pub fn cycle_array(telemetry: &Telemetry) -> DEBUG_FLOAT_ARRAY_DATA {
@@ -63,10 +67,38 @@ pub fn taps_arrays(taps: &[f32], now_us: u64) -> impl Iterator<Item = DEBUG_FLOA
     pieces.map(move |(values, piece)| array("taps", piece, now_us, values))
 }
 
-fn array(name: &str, array_id: u16, time_usec: u64, values: &[f32]) -> DEBUG_FLOAT_ARRAY_DATA {
+/// An array of at most [`PIECE`] values, zeros behind them.
+#[must_use]
+pub fn array(name: &str, array_id: u16, time_usec: u64, values: &[f32]) -> DEBUG_FLOAT_ARRAY_DATA {
     let mut data = [0.0; PIECE];
     data.iter_mut().zip(values).for_each(|(place, &value)| *place = value);
     DEBUG_FLOAT_ARRAY_DATA { time_usec, array_id, name: name.into(), data }
+}
+
+/// Names of the monitor's values, in the order of its causes, then the innovations.
+const MONITOR_NAMES: [&str; CAUSES + 2] = [
+    "ev_effect",
+    "ev_lag",
+    "ev_trim",
+    "ev_damping",
+    "ev_frict",
+    "ev_gy_bias",
+    "ev_gy_scal",
+    "ev_other",
+    "e_q",
+    "e_theta",
+];
+
+/// The one of the monitor's values whose turn it is.
+#[must_use]
+pub fn monitor_value(report: &MonitorReport, telemetry: &Telemetry) -> NAMED_VALUE_FLOAT_DATA {
+    let turn = telemetry.tick as usize % MONITOR_NAMES.len();
+    let mut values = report.evidence.iter().chain(&report.innovation);
+    NAMED_VALUE_FLOAT_DATA {
+        time_boot_ms: (telemetry.now_us / 1000) as u32,
+        value: values.nth(turn).copied().unwrap_or_default(),
+        name: MONITOR_NAMES.get(turn).copied().unwrap_or_default().into(),
+    }
 }
 
 fn section_code(section: Section) -> f32 {

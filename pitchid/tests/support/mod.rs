@@ -5,6 +5,7 @@ use estimator_core::{Command, Config, Cycle, CycleState, Input, Sample, Telemetr
 use firmware::link::decoder::Decoder;
 use firmware::link::ground::extra_crc;
 use firmware::link::{Action, Ground};
+use firmware::watch::Watch;
 use host_sim::aircraft::Aircraft;
 use host_sim::pilot::ManualReference;
 use host_sim::seeds::{Stream, generator};
@@ -72,6 +73,7 @@ struct Running {
     flown: u32,
     command: Command,
     armed: bool,
+    watch: Watch,
 }
 
 fn vehicle() -> SimulatedVehicle {
@@ -99,6 +101,7 @@ impl Running {
             flown: 0,
             command: Command::None,
             armed: false,
+            watch: Watch::default(),
         }
     }
 
@@ -170,7 +173,10 @@ impl Running {
 
     fn act(&mut self, action: Action) {
         match action {
-            Action::Arm => self.armed = true,
+            Action::Arm => {
+                self.ground.begin(&mut self.watch);
+                self.armed = true;
+            }
             Action::Disarm => (self.armed, self.command) = (false, Command::Abort),
             Action::Abort => self.command = Command::Abort,
             Action::Start => {
@@ -178,7 +184,7 @@ impl Running {
                 self.state = self.test.initial_state();
                 (self.vehicle, self.flown, self.command) = (vehicle(), 0, Command::Start);
             }
-            Action::Hil(_) | Action::Tick(_) | Action::Reference(_) => {}
+            Action::Hil(_) | Action::Tick(_) | Action::Reference(_) | Action::Model => {}
         }
     }
 
@@ -196,7 +202,9 @@ impl Running {
         self.vehicle.actuate(telemetry.u_rad);
         self.vehicle.emit(&telemetry);
         let (mut bytes, taps) = (Vec::new(), *self.state.taps());
-        self.ground.report(&telemetry, || taps, &mut |frame| bytes.extend_from_slice(frame));
+        let monitor = if self.armed { self.watch.step(&telemetry) } else { None };
+        self.ground
+            .report(&telemetry, monitor.as_ref(), || taps, &mut |frame| bytes.extend_from_slice(frame));
         // held while writing, so that nobody sees a cycle recorded before it is counted as sent
         let sent = Arc::clone(&self.sent);
         let mut sent = sent.lock().unwrap();

@@ -10,7 +10,7 @@ use crate::model::file::ModelFile;
 use crate::model::plant::{THETA, THETA_IMU};
 use crate::recording::Recording;
 use estimator_core::constants::MAX_INPUT_DELAY;
-use estimator_core::monitor::{BLOCK, CAUSES, Cause, Column, Filter, MonitorModel, Predictor, STATES, Test};
+use estimator_core::monitor::{BLOCK, Bank, CAUSES, Cause, Drive, MonitorModel, Predictor, STATES, Test};
 use nalgebra::{DMatrix, Matrix2, SMatrix};
 
 /// Lag that is tested for, s: half way on a scale of factors between one that hardly shows and one that upsets a controller.
@@ -255,10 +255,10 @@ fn of_tests(model: &mut MonitorModel, scores: &Scores, problem: &Problem<'_>, un
             dead_zone: dead_zone as f32,
             calibration: scores.calibration(place) as f32,
             onset: match cause {
-                Cause::Trim => onset(model, &model.moment, [0.0; 2], model.trim),
+                Cause::Trim => onset(model, BY_MOMENT, 1.0, [0.0; 2], model.trim),
                 Cause::GyroBias => {
                     let [w_qq, w_tq, _] = model.whitening;
-                    onset(model, &model.correction[0].map(|x| -x), [w_qq, w_tq], model.bias)
+                    onset(model, BY_RATE, -1.0, [w_qq, w_tq], model.bias)
                 }
                 _ => [1.0, 0.0],
             },
@@ -271,25 +271,31 @@ fn of_tests(model: &mut MonitorModel, scores: &Scores, problem: &Problem<'_>, un
     }
 }
 
-/// How the trace of something constant grows to `lasting` from the moment on at which it begins, drives a filter by `column` and adds
+/// A filter of the bank that a moment drives, and one that an addition to the rate drives.
+const BY_MOMENT: usize = 0;
+const BY_RATE: usize = 6;
+
+/// How the trace of something constant grows to `lasting` from the moment on at which it begins, drives `filter` by `input` and adds
 /// `direct`: what it is of it in the mean of the first block, and the pace that fits the blocks of the first 5 s best.
-fn onset(model: &MonitorModel, column: &Column, direct: [f32; 2], lasting: [f32; 2]) -> [f32; 2] {
+fn onset(model: &MonitorModel, filter: usize, input: f32, direct: [f32; 2], lasting: [f32; 2]) -> [f32; 2] {
     const BLOCKS: usize = 25;
     let size = lasting[0] * lasting[0] + lasting[1] * lasting[1];
     if size == 0.0 {
         return [1.0, 0.0];
     }
-    let mut filter = Filter::default();
-    let share = |filter: &Filter| {
-        let [a, b] = filter.output(&model.output);
+    let mut drive = Drive::default();
+    drive.inputs[filter] = input;
+    let mut bank = Bank::default();
+    let share = |bank: &Bank| {
+        let [a, b] = bank.outputs(&model.output)[filter];
         ((direct[0] + a) * lasting[0] + (direct[1] + b) * lasting[1]) / size
     };
     let shares: Vec<f64> = (0..BLOCKS)
         .map(|_| {
             let sum: f32 = (0..BLOCK)
                 .map(|_| {
-                    let now = share(&filter);
-                    filter.advance(&model.transition, column, 1.0);
+                    let now = share(&bank);
+                    bank.advance(model, &drive);
                     now
                 })
                 .sum();

@@ -3,10 +3,12 @@
 pub mod case;
 pub mod debugger;
 pub mod emulator;
+pub mod flash;
 pub mod pilot;
 pub mod twin;
 
 pub use debugger::Debugger;
 pub use emulator::Emulator;
+pub use flash::Flash;
 pub use pilot::Pilot;
 pub use twin::{Simulated, Twin};

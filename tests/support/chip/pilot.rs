@@ -7,7 +7,8 @@ use firmware::link::decoder::Decoder;
 use firmware::link::frame::{Header, encode};
 use mavlink::MavlinkVersion::V2;
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavModeFlag, MavResult, PARAM_SET_DATA,
+    COMMAND_LONG_DATA, DEBUG_FLOAT_ARRAY_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavModeFlag,
+    MavResult, PARAM_SET_DATA,
 };
 use mavlink::{Message, MessageData};
 
@@ -144,6 +145,33 @@ impl Pilot {
         self.send(&wish);
         self.wait_for(|message| match message {
             MavMessage::PARAM_VALUE(value) if value.param_id.to_str() == Ok(name) => Some(value.param_value),
+            _ => None,
+        })
+    }
+
+    /// Sends a piece of the monitor's model; the pieces that the chip then has, and whether it took (1) or refused (−1) it.
+    pub fn upload(&mut self, piece: &DEBUG_FLOAT_ARRAY_DATA) -> (u8, i8) {
+        self.send(piece);
+        self.answer(piece)
+    }
+
+    /// The answer to a piece that was sent.
+    pub fn answer(&mut self, piece: &DEBUG_FLOAT_ARRAY_DATA) -> (u8, i8) {
+        self.wait_for(|message| match message {
+            MavMessage::DEBUG_FLOAT_ARRAY(answer) if answer.name == piece.name => {
+                let [have, state, ..] = answer.data;
+                (answer.array_id == piece.array_id).then_some((have as u8, state as i8))
+            }
+            _ => None,
+        })
+    }
+
+    /// The next text that begins so.
+    pub fn text(&mut self, begin: &str) -> String {
+        self.wait_for(|message| match message {
+            MavMessage::STATUSTEXT(text) => {
+                text.text.to_str().ok().filter(|text| text.starts_with(begin)).map(str::to_owned)
+            }
             _ => None,
         })
     }

@@ -1,18 +1,22 @@
 //! The host's run of the same core, tick by tick beside the chip's, and the aircraft that both fly.
 
 use estimator_core::constants::MAX_TAPS;
+use estimator_core::monitor::Verdict;
 use estimator_core::{Command, Config, Cycle, CycleState, Event, Input, Phase, Sample, Telemetry, Vehicle};
 use firmware::hil::{HilClock, HilTick};
 use firmware::link::ground::FULL_STICK_RAD;
-use firmware::link::telemetry::{cycle_array, taps_arrays};
+use firmware::link::telemetry::{cycle_array, monitor_value, taps_arrays};
 use firmware::parameters::PARAMETERS;
 use firmware::pitch_filter::PitchFilter;
+use firmware::watch::Watch;
 use host_sim::Scenario;
 use host_sim::aircraft::Aircraft;
 use host_sim::pilot::ManualReference;
 use host_sim::seeds::{Stream, generator};
 use host_sim::vehicle::SimulatedVehicle;
-use mavlink::dialects::common::{DEBUG_FLOAT_ARRAY_DATA, HIL_SENSOR_DATA, HilSensorUpdatedFlags, MavMessage};
+use mavlink::dialects::common::{
+    DEBUG_FLOAT_ARRAY_DATA, HIL_SENSOR_DATA, HilSensorUpdatedFlags, MavMessage, NAMED_VALUE_FLOAT_DATA,
+};
 
 use super::Pilot;
 
@@ -29,10 +33,13 @@ pub struct Simulated {
 impl Simulated {
     /// The scenario's aircraft at rest, without background.
     pub fn new(scenario: &Scenario) -> Self {
-        let Scenario { plant, ref effects, seed, noise, plan, .. } = *scenario;
+        let Scenario { plant, ref effects, seed, noise, plan, change, .. } = *scenario;
         let length_s = f64::from(plan.closed_loop_s);
         let reference = ManualReference::drawn(length_s, &mut generator(seed, Stream::Reference));
-        let aircraft = Aircraft::new(plant, effects, None, seed);
+        let mut aircraft = Aircraft::new(plant, effects, None, seed);
+        if let Some((from_s, changed)) = change {
+            aircraft = aircraft.changing_at(from_s, changed);
+        }
         Self { vehicle: SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference) }
     }
 
@@ -71,6 +78,9 @@ pub struct Twin {
     state: CycleState<MAX_TAPS>,
     clock: HilClock,
     filter: PitchFilter,
+    /// The monitor of the armed vehicle; off unless it is begun.
+    pub watch: Watch,
+    verdict: Option<Verdict>,
     /// The operator's command for the coming cycle.
     pub command: Command,
     /// Reference of section IV, rad.
@@ -87,6 +97,8 @@ impl Twin {
             length: usize::from(config.lms.taps),
             clock: HilClock::default(),
             filter: PitchFilter::default(),
+            watch: Watch::default(),
+            verdict: None,
             command: Command::None,
             reference_rad: 0.0,
         }
@@ -111,6 +123,26 @@ impl Twin {
     }
 }
 
+/// What a cycle of the twin is to make the chip say.
+struct Expected {
+    texts: String,
+    value: Option<NAMED_VALUE_FLOAT_DATA>,
+}
+
+impl Expected {
+    fn of(twin: &mut Twin, telemetry: &Telemetry) -> Self {
+        let mut texts = telemetry.event.map_or(String::new(), |event| event.to_string());
+        let report = twin.watch.step(telemetry);
+        if let Some(verdict) = report.map(|report| report.verdict)
+            && !twin.verdict.is_some_and(|last| last.is_like(&verdict))
+        {
+            twin.verdict = Some(verdict);
+            texts += &format!("monitor: {verdict}");
+        }
+        Self { texts, value: report.map(|report| monitor_value(&report, telemetry)) }
+    }
+}
+
 /// What the chip said in one cycle.
 #[derive(Default)]
 pub struct Said {
@@ -118,6 +150,8 @@ pub struct Said {
     pub u_rad: Option<f32>,
     /// All of `STATUSTEXT`, one after the other.
     pub texts: String,
+    /// What the monitor said of itself.
+    pub value: Option<NAMED_VALUE_FLOAT_DATA>,
     /// The taps, where the cycle told them.
     pub taps: Vec<DEBUG_FLOAT_ARRAY_DATA>,
 }
@@ -126,6 +160,7 @@ pub struct Said {
 pub fn lockstep(pilot: &mut Pilot, twin: &mut Twin, sensor: &HIL_SENSOR_DATA) -> (Telemetry, Said) {
     pilot.send(sensor);
     let telemetry = twin.step(sensor);
+    let expected = Expected::of(twin, &telemetry);
     let mut said = Said::default();
     let found = loop {
         match pilot.hear() {
@@ -133,6 +168,7 @@ pub fn lockstep(pilot: &mut Pilot, twin: &mut Twin, sensor: &HIL_SENSOR_DATA) ->
             // the emulated flash takes nothing, and the image says so
             MavMessage::STATUSTEXT(text) if text.text.to_str() == Ok(NOT_KEPT) => {}
             MavMessage::STATUSTEXT(text) => said.texts.push_str(text.text.to_str().expect("text is UTF-8")),
+            MavMessage::NAMED_VALUE_FLOAT(value) => said.value = Some(value),
             MavMessage::DEBUG_FLOAT_ARRAY(array) if array.name.to_str() == Ok("taps") => {
                 said.taps.push(array);
             }
@@ -142,7 +178,9 @@ pub fn lockstep(pilot: &mut Pilot, twin: &mut Twin, sensor: &HIL_SENSOR_DATA) ->
     };
     same(&found, &cycle_array(&telemetry), &format!("tick {}", telemetry.tick));
     assert_eq!(said.u_rad.map(f32::to_bits), Some(telemetry.u_rad.to_bits()), "tick {}", telemetry.tick);
-    assert_eq!(said.texts, telemetry.event.map_or(String::new(), |event| event.to_string()));
+    assert_eq!(said.texts, expected.texts, "tick {}", telemetry.tick);
+    let bits = |value: &NAMED_VALUE_FLOAT_DATA| (value.name, value.time_boot_ms, value.value.to_bits());
+    assert_eq!(said.value.as_ref().map(bits), expected.value.as_ref().map(bits), "tick {}", telemetry.tick);
     if matches!(telemetry.event, Some(Event::Finished { .. } | Event::Aborted(_))) {
         assert!(!said.taps.is_empty(), "the taps come at the end of a test");
     }
@@ -190,13 +228,23 @@ pub struct Flown {
 
 /// Flies a whole test: HIL, parameters, arming, start, lockstep to the end.
 pub fn fly(pilot: &mut Pilot, scenario: &Scenario) -> Flown {
+    fly_watched(pilot, scenario, Watch::default(), |_, _| ())
+}
+
+/// The same with a monitor; every cycle's tick and texts go to `said`.
+pub fn fly_watched(
+    pilot: &mut Pilot,
+    scenario: &Scenario,
+    watch: Watch,
+    mut said_in: impl FnMut(u32, &str),
+) -> Flown {
     let config = scenario.core();
     pilot.enter_hil();
     configure(pilot, &config);
     pilot.arm();
     pilot.begin();
     let (mut twin, mut aircraft) = (Twin::new(&config), Simulated::new(scenario));
-    twin.command = Command::Start;
+    (twin.command, twin.watch) = (Command::Start, watch);
     let mut stick = 0;
     for tick in 0.. {
         let (sensor, wanted) = aircraft.sense(tick);
@@ -206,6 +254,7 @@ pub fn fly(pilot: &mut Pilot, scenario: &Scenario) -> Flown {
             twin.reference_rad = FULL_STICK_RAD * (f32::from(stick) / 1000.0);
         }
         let (telemetry, said) = lockstep(pilot, &mut twin, &sensor);
+        said_in(tick, &said.texts);
         aircraft.advance(said.u_rad.unwrap_or_default(), &telemetry);
         if telemetry.phase.ended() {
             let Telemetry { phase, recoveries, .. } = telemetry;
