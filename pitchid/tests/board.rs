@@ -133,6 +133,32 @@ fn a_whole_test_is_flown_over_a_line_that_breaks_and_nothing_that_arrived_is_los
     assert!(line("LMS FIR ").contains("64 taps"), "the replay is set as the board was: {identified}");
 }
 
+#[test]
+fn a_monitor_made_of_one_flight_is_given_to_the_board_and_speaks_in_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let short = ["--set", "TEST_SECTION=12", "--set", "TEST_LOOP=0.02", "--out"];
+    let fly = |board: &Board, more: &[&str]| {
+        answered(folder.path(), &[&["fly", board.port.as_str()], &short[..], more].concat())
+    };
+    fly(&Board::boot(Script::default()), &["first.csv"]);
+    answered(folder.path(), &["identify", "first.csv", "--monitor-out", "craft.toml"]);
+    let told = fly(&Board::boot(Script::default()), &["second.csv", "--monitor", "craft.toml"]);
+    assert!(told.contains("board: monitor: as identified"), "{told}");
+    let recording = std::fs::read_to_string(folder.path().join("second.csv")).unwrap();
+    assert!(recording.contains("# monitor: as identified"));
+    let replayed = answered(folder.path(), &["monitor", "second.csv", "--monitor", "craft.toml"]);
+    assert!(replayed.contains("as identified") && !replayed.contains("changed"), "{replayed}");
+
+    let board = Board::boot(Script::default());
+    let spoilt = std::fs::read_to_string(folder.path().join("craft.toml")).unwrap();
+    std::fs::write(folder.path().join("fast.toml"), spoilt.replace("step_s = 0.02", "step_s = 0.004"))
+        .unwrap();
+    let all = ["fly", &board.port, "--out", "f.csv", "--monitor", "fast.toml"];
+    let refused = pitchid(folder.path(), &all).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("0.0040 s"), "{}", text(&refused.stderr));
+}
+
 const MODEL: &str = "[plant]\ninertia_kg_m2 = 0.1705\ndelay_s = 0.06\ndM_dq_N_m_s = -0.27\ndM_du_N_m = 23.0\n\
                      mount_k_N_m = 3.8689\nmount_c_N_m_s = 0.02639\nmount_J_kg_m2 = 5e-4\n";
 

@@ -8,6 +8,7 @@ mod port;
 mod station;
 pub mod taps;
 mod texts;
+mod upload;
 
 pub use cycle::{CycleReport, Phase};
 pub use key::Key;

@@ -2,9 +2,11 @@
 
 use super::link::{Link, News};
 use super::texts::Texts;
+use super::upload::{self, Answer};
 use super::{CycleReport, Key, Log, Port, Stop};
 use crate::failure::Failure;
 use crate::output;
+use estimator_core::monitor::MonitorModel;
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, DEBUG_FLOAT_ARRAY_DATA, MavCmd, MavMessage, MavResult, PARAM_REQUEST_LIST_DATA,
     PARAM_SET_DATA,
@@ -28,6 +30,8 @@ pub enum Heard {
     Parameter { name: String, value: f32, count: u16 },
     /// The answer to a command.
     Answer(MavCmd, MavResult),
+    /// The answer to a piece of the monitor's model.
+    Piece(u16, Answer),
     /// The board lives.
     Alive,
     /// Anything else.
@@ -109,7 +113,7 @@ impl Station {
                 }
                 None => {
                     self.take_taps(&array);
-                    Heard::Other
+                    upload::read(&array).map_or(Heard::Other, |(piece, answer)| Heard::Piece(piece, answer))
                 }
             },
             MavMessage::STATUSTEXT(piece) => {
@@ -218,6 +222,29 @@ impl Station {
             (found.len() >= usize::from(*count)).then_some(())
         })?;
         Ok(found)
+    }
+
+    /// Gives the board a model of the monitor.
+    pub fn upload(&mut self, model: &MonitorModel) -> Result<(), Failure> {
+        let mut last = Answer::Partly;
+        for piece in upload::pieces(model) {
+            let number = piece.array_id;
+            last = self.ask(&MavMessage::DEBUG_FLOAT_ARRAY(piece), |heard| match heard {
+                Heard::Piece(of, answer) if *of == number => Some(*answer),
+                _ => None,
+            })?;
+            if last == Answer::Refused {
+                break;
+            }
+        }
+        if last == Answer::Taken {
+            return Ok(());
+        }
+        let found = format!("{}: {}", self.port, self.said);
+        Err(Failure::new(
+            found,
+            "disarm the board, and make the monitor again with pitchid identify --monitor-out",
+        ))
     }
 
     /// Sends a message without waiting for anything.

@@ -7,11 +7,13 @@ use crate::failure::Failure;
 use crate::output;
 use clap::Args;
 use estimator_core::constants::{CAMPAIGN_DWELL_S, SAMPLE_PERIOD_S};
+use estimator_core::monitor::MonitorModel;
 use mavlink::MessageData;
 use mavlink::dialects::common::{DEBUG_FLOAT_ARRAY_DATA, MavCmd};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use sysid::monitor::read_monitor;
 
 /// Runs the experiment on a board: arms, starts, watches, records, disarms
 ///
@@ -40,6 +42,10 @@ pub struct Arguments {
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     settings: Vec<(String, f32)>,
 
+    /// Give the board this monitor first, as pitchid identify --monitor-out wrote it; the board keeps it
+    #[arg(long, value_name = "MONITOR.toml")]
+    monitor: Option<PathBuf>,
+
     /// Where the recording goes
     #[arg(long, value_name = "RECORDING.csv")]
     out: PathBuf,
@@ -52,6 +58,8 @@ pub struct Arguments {
 const AFTER_HELP: &str = "\
 Examples:
   pitchid fly /dev/ttyUSB0 --amplitude 0.005 --set LIM_THETA=0.2 --out first.csv
+  pitchid identify first.csv --monitor-out craft.toml
+  pitchid fly /dev/ttyUSB0 --monitor craft.toml --out second.csv
   pitchid fly tcp:192.168.4.1:5760 --campaign 4 --out flight.csv --taps taps.json
 
 Exit status: 0 the test was flown, however it ended; 2 it could not be begun, or its end was not seen.";
@@ -70,13 +78,16 @@ fn setting(text: &str) -> Result<(String, f32), String> {
 
 /// Flies.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    output::check(
-        [Some(&arguments.out), arguments.taps.as_ref()].into_iter().flatten().map(PathBuf::as_path),
-        &[],
-    )?;
+    let outputs = [Some(&arguments.out), arguments.taps.as_ref()].into_iter().flatten();
+    let inputs: Vec<&Path> = arguments.monitor.as_deref().into_iter().collect();
+    output::check(outputs.map(PathBuf::as_path), &inputs)?;
+    let monitor = arguments.monitor.as_deref().map(monitor).transpose()?;
     let stop = Stop::on_ctrl_c()?;
     let mut station = arguments.line.open()?;
     station.greet(&stop)?;
+    if let Some(monitor) = &monitor {
+        station.upload(monitor)?;
+    }
     let parameters = set_up(&mut station, arguments)?;
     let mut log = Log::create(&arguments.out, "pitchid fly")?;
     for (name, value) in &parameters {
@@ -92,6 +103,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let last = flown?;
     conclude(arguments, &mut station, &parameters, &last, taps)?;
     disarmed
+}
+
+/// The monitor of this file, which must have the board's sample period.
+fn monitor(path: &Path) -> Result<MonitorModel, Failure> {
+    let (model, step) = read_monitor(path)?;
+    if (step / f64::from(SAMPLE_PERIOD_S) - 1.0).abs() > 1e-3 {
+        let found = format!("{}: made for a sample every {step:.4} s", path.display());
+        return Err(Failure::new(
+            found,
+            "identify it from a recording of 50 Hz: the board has a cycle every 0.02 s",
+        ));
+    }
+    Ok(model)
 }
 
 /// Sets what was asked for and returns all parameters as they stand.
