@@ -19,6 +19,7 @@ fn model() -> MonitorModel {
         output: [[1.0 / NOISE, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 6]],
         whitening: [1.0 / NOISE, 0.0, 0.0],
         rest: [0.0; 2],
+        specific: 0.0,
         gain: GAIN,
         delay_samples: 0.0,
         delay_fraction: 0.0,

@@ -263,7 +263,7 @@ impl Monitor {
         if !settled {
             return state.judge.unable(Unable::Settling);
         }
-        state.judge.step(&state.evidence, &state.motion, &self.model.tests, self.threshold)
+        state.judge.step(&state.evidence, &state.motion, &self.model, self.threshold)
     }
 }
 

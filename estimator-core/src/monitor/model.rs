@@ -11,7 +11,7 @@ pub const CAUSES: usize = 8;
 pub const SIZES: usize = 6;
 /// Numbers of a model, in the order of its fields.
 pub const NUMBERS: usize =
-    4 * BLOCKS + STATES + 2 * STATES + 2 * STATES + 3 + 2 + 6 + 4 + (4 + SIZES) * CAUSES;
+    4 * BLOCKS + STATES + 2 * STATES + 2 * STATES + 3 + 2 + 7 + 4 + (4 + SIZES) * CAUSES;
 
 /// What a flight can show to have changed.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -62,16 +62,16 @@ impl Cause {
         }
     }
 
-    /// The unit in which it is told, and its size per unit of the model.
+    /// The unit in which it is told, and its size per unit of the model; `specific` where moments are per unit inertia.
     #[must_use]
-    pub const fn unit(self) -> (&'static str, f32) {
+    pub const fn unit(self, specific: bool) -> (&'static str, f32) {
         match self {
             Self::Effectiveness | Self::GyroScale => ("%", 100.0),
             Self::Lag => ("ms", 1000.0),
-            Self::Trim | Self::Friction => ("N m", 1.0),
-            Self::Damping => ("N m s/rad", 1.0),
             Self::GyroBias => ("rad/s", 1.0),
-            Self::Stiffness => ("N m/rad", 1.0),
+            Self::Trim | Self::Friction => (if specific { "rad/s2" } else { "N m" }, 1.0),
+            Self::Damping => (if specific { "1/s" } else { "N m s/rad" }, 1.0),
+            Self::Stiffness => (if specific { "1/s2" } else { "N m/rad" }, 1.0),
         }
     }
 }
@@ -110,6 +110,8 @@ pub struct MonitorModel {
     pub whitening: [f32; 3],
     /// e0: what the identified trim and gyro offset leave.
     pub rest: [f32; 2],
+    /// 1 where moments are per unit inertia, 0 where they are in N m.
+    pub specific: f32,
     /// b = ∂M/∂u, N m/rad.
     pub gain: f32,
     /// m, whole samples, 0 to [`MAX_INPUT_DELAY`].
@@ -218,6 +220,7 @@ impl MonitorModel {
         }
         let [share, length] = self.lag;
         let ranges = [
+            ("specific", self.specific, [0.0, 1.0]),
             ("gain", self.gain.abs(), [1e-6, LARGEST]),
             ("delay_samples", self.delay_samples, [0.0, f32::from(MAX_INPUT_DELAY)]),
             ("delay_fraction", self.delay_fraction, [0.0, 1.0]),
@@ -245,6 +248,7 @@ impl MonitorModel {
         output: [[0.0; STATES]; 2],
         whitening: [1.0, 0.0, 0.0],
         rest: [0.0; 2],
+        specific: 0.0,
         gain: 1.0,
         delay_samples: 0.0,
         delay_fraction: 0.0,
@@ -263,6 +267,7 @@ impl MonitorModel {
         self.whitening.iter_mut().for_each(&mut *see);
         self.rest.iter_mut().for_each(&mut *see);
         let [share, length] = &mut self.lag;
+        see(&mut self.specific);
         let single = [&mut self.gain, &mut self.delay_samples, &mut self.delay_fraction, share, length];
         single.into_iter().for_each(&mut *see);
         see(&mut self.friction_rate);

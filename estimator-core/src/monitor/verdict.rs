@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::evidence::{Evidence, Finding};
-use super::model::{CAUSES, Cause, Test};
+use super::model::{CAUSES, Cause, MonitorModel, Test};
 use super::{BLOCK, larger};
 use crate::constants::SAMPLE_PERIOD_S;
 use crate::decimal::Decimal;
@@ -22,6 +22,8 @@ const STANDS: f32 = 0.5;
 pub struct Change {
     /// What changed.
     pub cause: Cause,
+    /// Whether moments are per unit inertia.
+    pub specific: bool,
     /// By how much, in the units of [`Cause`].
     pub size: f32,
     /// Half the 95 % interval.
@@ -91,8 +93,8 @@ impl fmt::Display for Unable {
 
 impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { cause, size, interval, .. } = self;
-        let (unit, per) = cause.unit();
+        let Self { cause, specific, size, interval, .. } = self;
+        let (unit, per) = cause.unit(*specific);
         let places = if per > 1.0 { 0 } else { 3 };
         let [size, interval] = [size, interval].map(|value| Decimal(value * per));
         write!(f, "{} {size:+.places$} +- {interval:.places$} {unit}", cause.name())
@@ -104,17 +106,18 @@ const SHAPE: f32 = 0.25;
 
 impl Change {
     /// The interval holds the score's own deviation, and the model's errors: half the dead zone is one deviation of them.
-    fn of(cause: Cause, found: &Finding, dead_zone: f32) -> Self {
+    fn of(cause: Cause, found: &Finding, model: &MonitorModel) -> Self {
+        let dead_zone = model.tests.get(cause as usize).map_or(0.0, |test| test.dead_zone);
         let shape = if cause == Cause::Lag { 0.5 * SHAPE * found.size } else { 0.0 };
-        let model = 0.5 * dead_zone;
-        let deviation = libm::sqrtf(1.0 / found.information + model * model + shape * shape);
+        let open = 0.5 * dead_zone;
+        let deviation = libm::sqrtf(1.0 / found.information + open * open + shape * shape);
         let (mut size, mut interval) = (found.size, 1.96 * deviation);
         if cause == Cause::GyroScale {
             // ψ is made of the measured rate, which is (1 + s) q: the score gives s / (1 + s)
             let rest = larger(1.0 - size, 0.1);
             (size, interval) = (size / rest, interval / (rest * rest));
         }
-        Self { cause, size, interval, since: found.since }
+        Self { cause, specific: model.specific > 0.5, size, interval, since: found.since }
     }
 }
 
@@ -171,7 +174,7 @@ impl Judge {
         &mut self,
         evidence: &[Evidence; CAUSES],
         motion: &[f32; CAUSES],
-        tests: &[Test; CAUSES],
+        model: &MonitorModel,
         threshold: f32,
     ) -> bool {
         let told = !matches!(self.verdict, Verdict::AsIdentified | Verdict::CannotTell(_));
@@ -195,12 +198,9 @@ impl Judge {
         }
         let Some((cause, found)) = first.filter(|_| largest >= needed) else {
             self.waiting = 0;
-            return self.settle(quiet(motion, tests, threshold));
+            return self.settle(quiet(motion, &model.tests, threshold));
         };
-        let change = |(cause, found): (Cause, Finding)| {
-            let test = Cause::ALL.iter().zip(tests).find(|(of, _)| **of == cause).map(|(_, test)| test);
-            Change::of(cause, &found, test.map_or(0.0, |test| test.dead_zone))
-        };
+        let change = |(cause, found): (Cause, Finding)| Change::of(cause, &found, model);
         let lead = larger(LEAD, SHARE * highest);
         if let Verdict::Changed(told) = self.verdict {
             // what has been told stays told until something else is clearly better

@@ -141,7 +141,7 @@ impl Event {
 
     fn json(&self) -> serde_json::Value {
         let of = |change: Change| {
-            let (unit, per) = change.cause.unit();
+            let (unit, per) = change.cause.unit(change.specific);
             let [size, interval] = [change.size * per, change.interval * per].map(f64::from);
             json!({ "cause": change.cause.name(), "value": size, "unit": unit, "ci95": [size - interval, size + interval] })
         };

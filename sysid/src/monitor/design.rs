@@ -104,6 +104,7 @@ pub fn design(recordings: &[Recording], model: Option<&ModelFile>) -> Result<Des
         return Err(Error::new(ErrorKind::Numerical, found, help)
             .expecting(format!("at most {:.0} %", 100.0 * MOST_OPEN_EFFECTIVENESS)));
     }
+    made.specific = if model.is_none() { 1.0 } else { 0.0 };
     of_tests(&mut made, &scores, &problem, &unpacked);
     made.check().map_err(|refusal| {
         Error::new(
@@ -198,6 +199,7 @@ fn predictor(
         output: [0, 1].map(|i| core::array::from_fn(|j| c[(i, j)] as f32)),
         whitening: [whitening[(0, 0)], whitening[(1, 0)], whitening[(1, 1)]].map(|x| x as f32),
         rest: [at_rest[0] as f32, at_rest[1] as f32],
+        specific: 0.0,
         gain: unpacked.plant.dm_du as f32,
         delay_samples: (samples + 1e-6).floor() as f32,
         delay_fraction: (samples - (samples + 1e-6).floor()).max(0.0) as f32,

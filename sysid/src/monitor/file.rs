@@ -30,6 +30,7 @@ struct PredictorSection {
     output: Rows,
     whitening: [f32; 3],
     rest: [f32; 2],
+    specific: f32,
     gain: f32,
     delay_samples: f32,
     delay_fraction: f32,
