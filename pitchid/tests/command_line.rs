@@ -202,7 +202,7 @@ fn a_diagnosis_answers_in_every_form() {
     let printed = bench.answered(&[&["diagnose", "flight.csv"], &files[..]].concat());
     assert_names(
         &printed,
-        &["VAF", "1 s ahead", "free run", "dM_dq", "N m", "95 %", "coulomb_friction", "a.html"],
+        &["VAF", "1 s ahead", "free run", "dM_dq", "rad/s²", "95 %", "coulomb_friction", "a.html"],
     );
 
     let answer = bench.json("a.json");
@@ -231,7 +231,7 @@ fn a_diagnosis_answers_in_every_form() {
     }
     let parameter = &effect["parameters"][0];
     let [low, high] = [0, 1].map(|end| parameter["ci95"][end].as_f64().unwrap());
-    assert!(low < high && parameter["unit"] == "N m", "{parameter}");
+    assert!(low < high && parameter["unit"] == "rad/s²", "{parameter}");
     for section in ["I", "II", "III", "IV"] {
         let held = &answer["fit"]["held_out"][section];
         for (model, key) in [("baseline", "free_run"), ("extended", "0.1"), ("extended", "1.0")] {

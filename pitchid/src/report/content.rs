@@ -192,13 +192,14 @@ pub fn headline(answer: &Answer) -> String {
         Verdict::Unlisted => "Something is missing that the catalogue does not list".into(),
         Verdict::Named => capitalised(&sentences.join("; and ")),
         Verdict::Ambiguous => {
-            let mut rivals: Vec<&str> = Vec::new();
+            let mut rivals: Vec<String> = Vec::new();
             for rival in answer.effects.iter().flat_map(|e| &e.alternatives) {
-                if !rivals.contains(&rival.id.as_str()) {
-                    rivals.push(&rival.id);
+                let rival = sentence(&rival.id);
+                if !rivals.contains(&rival) {
+                    rivals.push(rival);
                 }
             }
-            format!("{}, or instead {}", capitalised(&sentences.join("; and ")), rivals.join(" or "))
+            format!("{}; or instead {}", capitalised(&sentences.join("; and ")), rivals.join("; or "))
         }
     }
 }

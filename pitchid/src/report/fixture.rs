@@ -89,6 +89,7 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
             DataCheck::cannot_tell("input_hold", "half a sample"),
             DataCheck::ruled_out("rate_sign", "correlation 1.00"),
         ],
+        per_unit_inertia: false,
         notes: vec![HOSTILE.into()],
         questions: Vec::new(),
         balance: None,

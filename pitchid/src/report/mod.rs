@@ -17,6 +17,7 @@ use sysid::diagnosis::answer::{Answer, Dependence};
 use sysid::diagnosis::component::Component;
 use sysid::diagnosis::over_time::{OverTime, ResidualMoment};
 use sysid::diagnosis::traces::Trace;
+use sysid::per_inertia::per_inertia;
 use traces::View;
 
 /// Sections drawn besides the first that was held out; a report of more would be too long to read.
@@ -73,7 +74,8 @@ pub fn html(
         dark_style: canvas::DARK_STYLE,
         json: embedded_json(content)?,
     };
-    rendered(include_str!("report.html"), page)
+    let page = rendered(include_str!("report.html"), page)?;
+    Ok(if answer.per_unit_inertia { per_inertia(&page) } else { page })
 }
 
 /// A template filled with `page`.

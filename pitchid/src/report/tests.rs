@@ -110,6 +110,7 @@ fn an_answer_without_anything_is_a_page_too() {
         remainder: None,
         fit,
         next_experiment: None,
+        per_unit_inertia: false,
         notes: Vec::new(),
         ..answer()
     };

@@ -53,6 +53,8 @@ pub struct Answer {
     pub next_experiment: Option<NextExperiment>,
     /// What makes model and measurement differ without missing physics: ruled out, found, or not to be told.
     pub data_checks: Vec<DataCheck>,
+    /// Whether the inertia is not known: moments are per unit inertia, in rad/s².
+    pub per_unit_inertia: bool,
     /// What was noticed about the recordings.
     pub notes: Vec<String>,
 }

@@ -1,6 +1,8 @@
-//! The words of an answer for another axis than pitch: the equations are the same, and the axes beside it change places.
+//! The words of an answer for another axis than pitch, whose equations are the same while the axes beside it change places, and for a
+//! craft whose inertia is not known.
 
 use super::answer::Answer;
+use crate::per_inertia::per_inertia;
 
 /// `words` of pitch, said of `axis` (`roll`, `pitch` or `yaw`): pitch and that axis change places wherever one of them stands as
 /// a word.
@@ -26,6 +28,27 @@ pub fn of_axis(words: &str, axis: &str) -> String {
 impl Answer {
     /// Says of `axis` what was found where the axis stood as pitch does.
     pub fn tell_of(&mut self, axis: &str) {
+        for text in self.words() {
+            *text = of_axis(text, axis);
+        }
+    }
+
+    /// Tells moments per unit inertia: the inertia is not known.
+    pub fn tell_per_inertia(&mut self) {
+        self.per_unit_inertia = true;
+        for text in self.words() {
+            *text = per_inertia(text);
+        }
+        let fits = [&mut self.fit.baseline, &mut self.fit.extended].map(|model| &mut model.parameters);
+        let terms = self.effects.iter_mut().map(|effect| &mut effect.parameters);
+        let left = self.remainder.iter_mut().map(|remainder| &mut remainder.parameters);
+        for parameter in fits.into_iter().chain(terms).chain(left).flatten() {
+            parameter.unit = per_inertia(&parameter.unit);
+        }
+    }
+
+    /// All that is told in sentences.
+    fn words(&mut self) -> Vec<&mut String> {
         let mut words: Vec<&mut String> = vec![&mut self.summary];
         words.extend(self.questions.iter_mut().map(|question| &mut question.answer));
         words.extend(self.balance.iter_mut().map(|balance| &mut balance.words));
@@ -33,9 +56,7 @@ impl Answer {
         words.extend(self.remainder.iter_mut().map(|remainder| &mut remainder.words));
         words.extend(self.location.iter_mut().map(|location| &mut location.condition));
         words.extend(self.next_experiment.iter_mut().map(|next| &mut next.why));
-        for text in words {
-            *text = of_axis(text, axis);
-        }
+        words
     }
 }
 

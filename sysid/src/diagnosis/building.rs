@@ -64,6 +64,7 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
         fit,
         next_experiment,
         data_checks: Vec::new(),
+        per_unit_inertia: false,
         notes,
     };
     answer.summary = describe::summary(&answer);

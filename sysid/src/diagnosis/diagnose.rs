@@ -92,7 +92,11 @@ pub fn diagnose_knowing(
 ) -> Result<Diagnosis, Error> {
     let data = Dataset::new(recordings)?;
     let baseline = Baseline { held: held.to_vec(), ..Baseline::new(model, &data)? };
-    answered(&Asked { recordings, data: &data, model, catalogue, progress }, &baseline)
+    let mut diagnosis = answered(&Asked { recordings, data: &data, model, catalogue, progress }, &baseline)?;
+    if model.is_none() {
+        diagnosis.answer.tell_per_inertia();
+    }
+    Ok(diagnosis)
 }
 
 /// What is asked, whatever the baseline.
@@ -244,6 +248,7 @@ fn unanswered(
             fit,
             next_experiment: None,
             data_checks: Vec::new(),
+            per_unit_inertia: false,
             notes: said.notes,
         },
         traces: Vec::new(),

@@ -22,8 +22,8 @@ pub struct Baseline {
 }
 
 /// What an answer says where there is no model.
-pub const ASSUMED: &str = "no model was given: unit inertia is assumed, so every moment is per unit inertia (N m stands for \
-                           rad/s^2), and the IMU is taken for rigidly mounted; give yours with --model";
+pub const ASSUMED: &str = "no model was given: the inertia is not known, so every moment is told per unit inertia (rad/s²), and the \
+                           IMU is taken for rigidly mounted; give yours with --model";
 
 impl Baseline {
     /// Without a user's model: unit inertia (moments per unit inertia) and a rigid IMU. The loop delay is estimated.

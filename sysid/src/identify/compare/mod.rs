@@ -28,6 +28,7 @@ use crate::held_out::{Split, labels};
 use crate::identify::lms::OnBoard;
 use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::file::ModelFile;
+use crate::per_inertia::per_inertia;
 use crate::recording::{InputUnit, Recording};
 use crate::validate::coherence::Line;
 use crate::validate::cross_correlation::CrossCorrelation;
@@ -162,6 +163,9 @@ pub fn identify_with(
     found.notes.extend(data.notes(recordings));
     if model.is_none() {
         found.notes.push(ASSUMED.into());
+        for parameter in found.parameters.iter_mut().chain(&mut found.parameters_coloured) {
+            parameter.unit = per_inertia(&parameter.unit);
+        }
     }
     Ok(found)
 }
