@@ -14,7 +14,7 @@ pub mod canvas;
 mod conceal;
 mod confusion;
 mod error;
-mod files;
+pub mod files;
 mod judge;
 mod page;
 mod prove;

@@ -1,7 +1,5 @@
 //! What can be wrong with a scenario or a file.
 
-use std::path::PathBuf;
-
 /// An error with what was found and what to do about it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -78,14 +76,6 @@ pub enum Error {
         seed: u64,
         /// What was to be concealed.
         ids: String,
-    },
-    /// A file could not be written.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
     },
     /// The truth could not be put into JSON.
     #[error("cannot serialise the truth: {0}")]

@@ -3,7 +3,6 @@
 use estimator_core::constants::TAPS;
 use estimator_core::{Phase, Section};
 use serde::Serialize;
-use std::path::Path;
 
 use rand::RngExt;
 
@@ -231,25 +230,11 @@ impl Flight {
         self.rows.iter().filter(move |row| row.section == section)
     }
 
-    /// Writes the recording; nothing of the truth is in it.
+    /// The truth as JSON.
     ///
     /// # Errors
-    /// The file cannot be written.
-    pub fn write_recording(&self, path: &Path) -> Result<(), Error> {
-        write(path, &self.recording())
+    /// None that a caller could cause.
+    pub fn truth_json(&self) -> Result<String, Error> {
+        Ok(serde_json::to_string_pretty(&self.truth)? + "\n")
     }
-
-    /// Writes the truth as JSON.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn write_truth(&self, path: &Path) -> Result<(), Error> {
-        let mut text = serde_json::to_string_pretty(&self.truth)?;
-        text.push('\n');
-        write(path, &text)
-    }
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Error> {
-    std::fs::write(path, text).map_err(|source| Error::Write { path: path.to_owned(), source })
 }

@@ -91,20 +91,16 @@ fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
 
 #[test]
 fn the_recording_has_no_trace_of_the_truth_and_the_truth_names_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let (recording, truth) = (folder.path().join("flight.csv"), folder.path().join("truth.json"));
     let effects = vec![
         Setting::new("servo_lag", &[("T", 0.07)]).unwrap(),
         Setting::new("coulomb_friction", &[("Mc", 0.05)]).unwrap(),
     ];
     let flight = fly(&Scenario { effects, ..Scenario::campaign(3, 0.015, 4).unwrap() }).unwrap();
-    flight.write_recording(&recording).unwrap();
-    flight.write_truth(&truth).unwrap();
-    let text = std::fs::read_to_string(recording).unwrap();
+    let text = flight.recording();
     let header = "t_s,u_rad,q_rad_s,theta_rad,qdot_rad_s2,section,supervised,theta_ref_rad";
     assert_eq!(text.lines().nth(1), Some(header));
     assert!(["servo", "friction", "plant", "inertia", "background"].iter().all(|word| !text.contains(word)));
-    let truth: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(truth).unwrap()).unwrap();
+    let truth: serde_json::Value = serde_json::from_str(&flight.truth_json().unwrap()).unwrap();
     assert_eq!(truth["effects"][0]["id"], "servo_lag");
     assert_eq!(truth["effects"][0]["parameters"][0]["value"], 0.07);
     assert_eq!(truth["effects"][1]["parameters"][0]["unit"], "N m");

@@ -1,6 +1,7 @@
 //! Where answers go: standard output, and files that overwrite no input.
 
 use crate::failure::Failure;
+use benchmark::files::write_whole;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -36,9 +37,9 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     write_bytes(path, text.as_bytes())
 }
 
-/// Writes a file.
+/// Writes a file, whole or not at all.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    std::fs::write(path, bytes).map_err(|error| Failure::unwritable(&path.display().to_string(), &error))
+    write_whole(path, bytes).map_err(|error| Failure::unwritable(&path.display().to_string(), &error))
 }
 
 /// An answer as JSON text, indented.

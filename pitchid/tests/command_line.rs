@@ -108,6 +108,16 @@ fn help_version_and_no_arguments() {
 }
 
 #[test]
+fn completions_and_manual_pages_know_every_command() {
+    let bench = Bench::new();
+    assert_names(&bench.answered(&["completions", "bash"]), &["diagnose", "--monitor-out", "complete -F"]);
+    assert_names(&bench.answered(&["completions", "fish"]), &["diagnose"]);
+    assert_names(&bench.answered(&["man"]), &[".TH pitchid", "diagnose"]);
+    assert_names(&bench.answered(&["man", "monitor"]), &["monitor", "\\-\\-run\\-length"]);
+    assert_names(&bench.refused(&["man", "nothing"]), &["no command nothing", "diagnose"]);
+}
+
+#[test]
 fn malformed_tables_are_refused_with_their_place() {
     let bench = Bench::new();
     let cell = |row: usize, column: usize, value: &str| {

@@ -106,9 +106,8 @@ fn conceal_and_fly(seed: u64, files: &Files<'_>) -> Result<(), Failure> {
     let (effect, _) = draw_effect(&scenario, &DRAWN, Strength::Strong)?;
     scenario.effects = vec![effect];
     let flight = fly(&scenario)?;
-    flight.write_recording(&files.named("recording.csv"))?;
-    flight.write_truth(&files.named("truth.json"))?;
-    Ok(())
+    files.write("recording.csv", &flight.recording())?;
+    files.write("truth.json", &flight.truth_json()?)
 }
 
 fn write_answers(files: &Files<'_>, found: &Diagnosis, content: &Content) -> Result<(), Failure> {

@@ -12,6 +12,7 @@ mod prove;
 mod reading;
 mod record;
 mod reproduce;
+mod shell;
 mod show;
 mod simulate;
 
@@ -48,11 +49,13 @@ Exit status:
 #[derive(Subcommand)]
 enum Command {
     Compare(compare::Arguments),
+    Completions(shell::Completions),
     Convert(convert::Arguments),
     Demo(demo::Arguments),
     Diagnose(diagnose::Arguments),
     Fly(fly::Arguments),
     Identify(identify::Arguments),
+    Man(shell::Man),
     Monitor(monitor::Arguments),
     Prove(prove::Arguments),
     Record(record::Arguments),
@@ -68,11 +71,13 @@ enum Command {
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Completions(arguments) => shell::completions(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Fly(arguments) => fly::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Man(arguments) => shell::man(&arguments),
         Command::Monitor(arguments) => monitor::run(&arguments),
         Command::Prove(arguments) => prove::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),

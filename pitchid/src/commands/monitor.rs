@@ -20,7 +20,7 @@ use sysid::monitor::{Row, read_monitor, replay};
 /// that they hold of it. Causes are effectiveness, added lag or delay, trim moment, damping, friction, gyro bias and gyro scale.
 /// The verdict follows the flight: it says so when a change has gone again, and when there is too little motion to tell.
 #[derive(Args)]
-#[command(after_help = AFTER_HELP)]
+#[command(after_help = AFTER_HELP, mut_arg("model", |model| model.hide(true)))]
 pub struct Arguments {
     #[command(flatten)]
     reading: Reading,
@@ -62,6 +62,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut inputs = arguments.reading.inputs();
     inputs.push(&arguments.monitor);
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
+    if arguments.reading.has_model() {
+        let help = "leave it out: --monitor holds the model; pitchid identify --model makes another";
+        return Err(Failure::new("--model is not for pitchid monitor", help));
+    }
     let (model, step) = read_monitor(&arguments.monitor)?;
     let config = MonitorConfig { run_length_h: arguments.run_length, ..MonitorConfig::default() };
     let refuse = |error: estimator_core::ConfigError| {

@@ -18,7 +18,7 @@ pub struct Reading {
     recordings: Vec<PathBuf>,
 
     /// The simulation in use today: plant and effects, with sections roll, pitch, yaw where axes differ. Without it, the grey-box
-    /// pitch model with Iyy known
+    /// pitch model with moments per unit inertia
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
 
@@ -130,6 +130,11 @@ impl Reading {
     /// Reads the user's model of an axis.
     pub fn model_of(&self, axis: Option<Axis>) -> Result<Option<ModelFile>, Failure> {
         self.model.as_deref().map(|path| model_at(path, axis)).transpose()
+    }
+
+    /// Whether a model was named.
+    pub const fn has_model(&self) -> bool {
+        self.model.is_some()
     }
 
     /// Names of the recordings.

@@ -269,10 +269,9 @@ mod tests {
 
     /// Free-run VAF of `model` over what `scenario` recorded, the model's values as they are.
     fn simulated(model: &ModelFile, scenario: &Scenario) -> f64 {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("flown.csv");
-        fly(scenario).unwrap().write_recording(&path).unwrap();
-        let recording = sysid::recording::read(&path, &sysid::recording::ReadOptions::default()).unwrap();
+        let text = fly(scenario).unwrap().recording();
+        let options = sysid::recording::ReadOptions::default();
+        let recording = sysid::recording::parse("flown.csv", text.as_bytes(), &options).unwrap();
         let data = sysid::dataset::Dataset::new(&[recording]).unwrap();
         let baseline = Baseline::from_model(model, &data).unwrap();
         let split = Split::new(&data);
