@@ -35,6 +35,5 @@ mod linalg;
 pub mod model;
 pub mod monitor;
 pub mod optim;
-pub mod per_inertia;
 pub mod recording;
 pub mod validate;

@@ -8,7 +8,7 @@
 //!
 //! With a key set, everything that comes in unsigned, replayed or signed with another key is passed over.
 
-use core::fmt::{self, Write as _};
+use core::fmt::Write as _;
 
 use estimator_core::constants::MAX_TAPS;
 use estimator_core::monitor::{MonitorReport, Verdict};
@@ -30,7 +30,7 @@ use crate::link::signing::{Gate, Key};
 use crate::link::telemetry::{
     actuators, attitude, cycle_array, monitor_value, phase_code, taps_arrays, texts,
 };
-use crate::link::upload::{self, Progress, Upload};
+use crate::link::upload::{self, Progress, Refused, Upload};
 use crate::parameters::{self, PARAMETERS, Refusal};
 use crate::settings::Settings;
 use crate::watch::Watch;
@@ -250,22 +250,15 @@ impl Ground {
         if piece.name.to_str() != Ok(upload::NAME) {
             return None;
         }
-        let mut text = String::<120>::new();
-        let progress = if self.armed { None } else { Some(self.upload.take(piece)) };
-        // what does not fit is left off
-        let _ = match &progress {
-            None => text.push_str("monitor refused: disarm first").map_err(|_| fmt::Error),
-            Some(Progress::Broken) => {
-                text.push_str("monitor refused: not what was sent").map_err(|_| fmt::Error)
-            }
-            Some(Progress::Refused(why)) => write!(text, "monitor refused: {why}"),
-            Some(Progress::Partly | Progress::Whole | Progress::Again) => Ok(()),
-        };
-        if !text.is_empty() {
+        let taken = if self.armed { Err(Refused::Armed) } else { self.upload.take(piece) };
+        if let Err(why) = &taken {
+            let mut text = String::<120>::new();
+            // what does not fit is left off
+            let _ = write!(text, "{why}");
             self.say(MavSeverity::MAV_SEVERITY_WARNING, &text, out);
         }
-        self.send(&self.upload.answer(piece, !text.is_empty()), out);
-        (progress == Some(Progress::Whole)).then_some(Action::Model)
+        self.send(&self.upload.answer(piece, taken.is_err()), out);
+        (taken == Ok(Progress::Whole)).then_some(Action::Model)
     }
 
     fn note(&mut self, action: Action) {

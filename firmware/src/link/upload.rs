@@ -10,6 +10,8 @@
 //!
 //! so a piece that was lost is sent again. A piece of another model begins anew.
 
+use core::fmt;
+
 use estimator_core::monitor::{MonitorModel, NUMBERS, Refusal};
 use mavlink::dialects::common::DEBUG_FLOAT_ARRAY_DATA;
 
@@ -41,10 +43,27 @@ pub enum Progress {
     Whole,
     /// It is whole, and was before.
     Again,
-    /// It is whole, but not what was sent.
+}
+
+/// Why a piece, or all that have come, is not taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refused {
+    /// The vehicle is armed.
+    Armed,
+    /// All pieces are there, but they are not what was sent.
     Broken,
     /// No board would run it.
-    Refused(Refusal),
+    Model(Refusal),
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Armed => f.write_str("monitor refused: disarm first"),
+            Self::Broken => f.write_str("monitor refused: not what was sent"),
+            Self::Model(why) => write!(f, "monitor refused: {why}"),
+        }
+    }
 }
 
 impl Default for Upload {
@@ -68,12 +87,15 @@ impl Upload {
     }
 
     /// Takes a piece.
-    pub fn take(&mut self, piece: &DEBUG_FLOAT_ARRAY_DATA) -> Progress {
+    ///
+    /// # Errors
+    /// The last piece of something that is no model; then it begins anew.
+    pub fn take(&mut self, piece: &DEBUG_FLOAT_ARRAY_DATA) -> Result<Progress, Refused> {
         if piece.time_usec != self.digest {
             (self.digest, self.have) = (piece.time_usec, 0);
         }
         if self.have == ALL {
-            return Progress::Again;
+            return Ok(Progress::Again);
         }
         let number = usize::from(piece.array_id);
         if let Some(places) = self.numbers.chunks_mut(PIECE).nth(number) {
@@ -81,12 +103,12 @@ impl Upload {
             self.have |= 1 << number;
         }
         if self.have != ALL {
-            return Progress::Partly;
+            return Ok(Progress::Partly);
         }
         let outcome = match MonitorModel::from_numbers(&self.numbers) {
-            _ if sum(&self.numbers) != self.digest => Progress::Broken,
-            Ok(_) => return Progress::Whole,
-            Err(refusal) => Progress::Refused(refusal),
+            _ if sum(&self.numbers) != self.digest => Err(Refused::Broken),
+            Ok(_) => return Ok(Progress::Whole),
+            Err(refusal) => Err(Refused::Model(refusal)),
         };
         self.have = 0;
         outcome
@@ -145,7 +167,7 @@ mod tests {
         let sent: Vec<_> = pieces(&wanted).collect();
         assert_eq!(sent.len(), 3);
         let order = [2, 0, 0, 2, 1, 1];
-        let found: Vec<_> = order.iter().map(|&piece| upload.take(&sent[piece])).collect();
+        let found: Vec<_> = order.iter().map(|&piece| upload.take(&sent[piece]).unwrap()).collect();
         use Progress::{Again, Partly, Whole};
         assert_eq!(found, [Partly, Partly, Partly, Partly, Whole, Again]);
         assert_eq!(upload.model(), Some(wanted));
@@ -162,10 +184,10 @@ mod tests {
         });
         assert_eq!(upload.model(), Some(one));
         let sent: Vec<_> = pieces(&other).collect();
-        assert_eq!(upload.take(&sent[0]), Progress::Partly);
+        assert_eq!(upload.take(&sent[0]), Ok(Progress::Partly));
         assert_eq!((upload.model(), upload.answer(&sent[0], false).data[0]), (None, 1.0));
-        upload.take(&sent[1]);
-        assert_eq!(upload.take(&sent[2]), Progress::Whole);
+        upload.take(&sent[1]).unwrap();
+        assert_eq!(upload.take(&sent[2]), Ok(Progress::Whole));
         assert_eq!(upload.model(), Some(other));
     }
 
@@ -181,12 +203,12 @@ mod tests {
             }
             let mut upload = Upload::default();
             let last = sent.iter().map(|piece| upload.take(piece)).last().unwrap();
-            assert_eq!(matches!(last, Progress::Refused(_)), refused, "{last:?}");
-            assert!(refused || last == Progress::Broken);
+            assert_eq!(matches!(last, Err(Refused::Model(_))), refused, "{last:?}");
+            assert!(refused || last == Err(Refused::Broken));
             assert_eq!(upload.model(), None);
             // and once more, as it was sent
             let whole = pieces(&model(0.25)).map(|piece| upload.take(&piece)).last();
-            assert_eq!(whole, Some(Progress::Whole));
+            assert_eq!(whole, Some(Ok(Progress::Whole)));
         }
     }
 }

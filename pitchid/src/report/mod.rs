@@ -17,7 +17,7 @@ use sysid::diagnosis::answer::{Answer, Dependence};
 use sysid::diagnosis::component::Component;
 use sysid::diagnosis::over_time::{OverTime, ResidualMoment};
 use sysid::diagnosis::traces::Trace;
-use sysid::per_inertia::per_inertia;
+use sysid::estimate::per_inertia;
 use traces::View;
 
 /// Sections drawn besides the first that was held out; a report of more would be too long to read.

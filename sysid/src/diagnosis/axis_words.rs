@@ -2,7 +2,7 @@
 //! craft whose inertia is not known.
 
 use super::answer::Answer;
-use crate::per_inertia::per_inertia;
+use crate::estimate::per_inertia;
 
 /// `words` of pitch, said of `axis` (`roll`, `pitch` or `yaw`): pitch and that axis change places wherever one of them stands as
 /// a word.
