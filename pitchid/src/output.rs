@@ -42,6 +42,11 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_whole(path, bytes).map_err(|error| Failure::unwritable(&path.display().to_string(), &error))
 }
 
+/// Makes a folder, and what it lies in, where it is not there.
+pub fn folder(path: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(path).map_err(|error| Failure::unwritable(&path.display().to_string(), &error))
+}
+
 /// An answer as JSON text, indented.
 pub fn json(answer: &impl serde::Serialize) -> Result<String, Failure> {
     let text = serde_json::to_string_pretty(answer);

@@ -406,9 +406,10 @@ fn real_recordings_are_answered() {
         return;
     }
     let bench = Bench::new();
-    let printed =
-        bench.answered(&["diagnose", recording.to_str().unwrap(), "--report", "r.html", "--json", "r.json"]);
-    assert_names(&printed, &["VAF", "1 s ahead"]);
+    let files = ["--report", "r.html", "--json", "r.json", "--pictures", "of/it"];
+    let printed = bench.answered(&[&["diagnose", recording.to_str().unwrap()][..], &files].concat());
+    assert_names(&printed, &["VAF", "1 s ahead", "section-1.svg"]);
+    assert!(bench.read("of/it/section-1.svg").starts_with("<svg xmlns="));
     assert!(!bench.json("r.json")["fit"]["held_out"]["IV"].is_null());
     assert!(bench.read("r.html").len() < 1_000_000);
 }

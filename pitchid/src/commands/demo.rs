@@ -76,7 +76,7 @@ impl Files<'_> {
 /// Demonstrates.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = arguments.out.as_path();
-    std::fs::create_dir_all(folder).map_err(|e| Failure::unwritable(&folder.display().to_string(), &e))?;
+    output::folder(folder)?;
     let files = Files(folder);
     let progress = Progress::start("concealing an effect and flying the test");
     conceal_and_fly(arguments.seed, &files)?;

@@ -38,6 +38,10 @@ pub struct Arguments {
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
 
+    /// Write each picture of the report as an SVG file into this folder, which is made where it is not there
+    #[arg(long, value_name = "FOLDER")]
+    pictures: Option<PathBuf>,
+
     /// Write the model with what was missing; `pitchid simulate --model` flies it
     #[arg(long, value_name = "EXTENDED.toml")]
     out_model: Option<PathBuf>,
@@ -68,6 +72,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.reading.all_axes() {
         return all_axes(arguments);
     }
+    if let Some(folder) = &arguments.pictures {
+        output::folder(folder)?;
+    }
     let recordings = arguments.reading.recordings()?;
     let model = arguments.reading.model()?;
     let progress = Progress::start("reading");
@@ -87,10 +94,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Diagnoses every axis, and what they share.
 fn all_axes(arguments: &Arguments) -> Result<(), Failure> {
-    if arguments.report.is_some() {
+    if arguments.report.is_some() || arguments.pictures.is_some() {
         return Err(Failure::new(
-            "--axis all: a report is of one axis",
-            "choose --axis roll, pitch or yaw for it",
+            "--axis all: a report and its pictures are of one axis",
+            "choose --axis roll, pitch or yaw for them",
         ));
     }
     let progress = Progress::start("reading");
@@ -140,6 +147,12 @@ fn write(arguments: &Arguments, found: &Diagnosis, content: &Content) -> Result<
     }
     if let Some(path) = &arguments.report {
         put("report", path, &report::html(content, &found.traces, &found.over_time, &found.components)?)?;
+    }
+    if let Some(folder) = &arguments.pictures {
+        let pictures = report::pictures(content, &found.traces, &found.over_time, &found.components)?;
+        for (name, svg) in pictures {
+            put("picture", &folder.join(name), &svg)?;
+        }
     }
     if let Some(path) = &arguments.json {
         put("answer", path, &output::json(&found.answer)?)?;

@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn run_paper(arguments: &PaperArguments) -> Result<(), Failure> {
     let folder = arguments.out.as_path();
-    std::fs::create_dir_all(folder).map_err(|e| Failure::unwritable(&folder.display().to_string(), &e))?;
+    output::folder(folder)?;
     let recordings =
         arguments.recordings.iter().map(|path| read_plain(path)).collect::<Result<Vec<_>, _>>()?;
     let progress = Progress::start("flying and identifying");

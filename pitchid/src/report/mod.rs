@@ -48,6 +48,41 @@ struct Page<'a> {
     json: String,
 }
 
+/// The pictures of the report as files of their own, for light and dark pages: name and SVG.
+///
+/// # Errors
+/// A picture that could not be drawn.
+pub fn pictures(
+    content: &Content,
+    traces: &[Trace],
+    over_time: &OverTime,
+    components: &[Component],
+) -> Result<Vec<(String, String)>, Failure> {
+    let answer = &content.answer;
+    let mut pictures = Vec::new();
+    let mut put = |name: String, figure: Figure| pictures.push((name, canvas::standalone(&figure.svg)));
+    let (first, others) = figures(content, traces)?;
+    for (index, figure) in first.into_iter().chain(others).enumerate() {
+        put(format!("section-{}.svg", index + 1), figure);
+    }
+    for (index, component) in components.iter().enumerate() {
+        let id = component.about.id;
+        let earlier = components[..index].iter().filter(|c| c.about.id == id).count();
+        let again = if earlier > 0 { format!("-{}", earlier + 1) } else { String::new() };
+        put(format!("term-{id}{again}.svg"), of_term(component)?);
+    }
+    if let Some(dependence) = answer.location.as_ref().and_then(|l| l.dependence.first()) {
+        put("dependence.svg".into(), drawn(dependence)?);
+    }
+    for (index, figure) in moments(content, traces, over_time)?.into_iter().enumerate() {
+        put(format!("moment-{}.svg", index + 1), figure);
+    }
+    if answer.per_unit_inertia {
+        pictures.iter_mut().for_each(|(_, svg)| *svg = per_inertia(svg));
+    }
+    Ok(pictures)
+}
+
 /// Renders the report.
 ///
 /// # Errors

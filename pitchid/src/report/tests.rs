@@ -50,6 +50,19 @@ fn page(answer: &Answer, traces: &[Trace]) -> String {
 }
 
 #[test]
+fn every_picture_is_a_file_of_its_own_name() {
+    let (answer, traces) = (answer(), traces());
+    let content = Content::new(&answer, &traces, vec![HOSTILE.into()], None);
+    let drawn = pictures(&content, &traces, &over_time(), &[component(), component()]).unwrap();
+    let names: Vec<&str> = drawn.iter().map(|(name, _)| name.as_str()).collect();
+    for name in ["section-1.svg", "section-2.svg", "term-coulomb_friction.svg", "term-coulomb_friction-2.svg"]
+    {
+        assert_eq!(names.iter().filter(|n| **n == name).count(), 1, "{names:?}");
+    }
+    assert!(drawn.iter().all(|(_, svg)| svg.starts_with("<svg xmlns=") && svg.contains("<style>")));
+}
+
+#[test]
 fn nothing_from_a_file_becomes_markup() {
     let page = page(&answer(), &traces());
     assert_eq!(page.matches("<script").count(), 1);

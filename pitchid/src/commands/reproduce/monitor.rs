@@ -49,7 +49,7 @@ Exit status: 0 reproduced; 2 the folder could not be used.";
 /// Flies them.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = arguments.out.as_path();
-    std::fs::create_dir_all(folder).map_err(|e| Failure::unwritable(&folder.display().to_string(), &e))?;
+    output::folder(folder)?;
     let progress = Progress::start("identifying the vehicles");
     let Arguments { flights, hours, vehicles, seed, .. } = *arguments;
     let study = monitor(folder, Amount { vehicles, flights, hours, seed }, &|what| progress.say(what))?;
