@@ -1,5 +1,7 @@
 //! `cargo xtask image | chip-test | flash`: the flight image, built, tested in the emulator, put on a board.
+//! `cargo xtask book | book-check`: the book's pages of the effects, and the book built and held to what it says.
 
+mod book;
 mod budget;
 mod chip_test;
 mod image;
@@ -13,7 +15,9 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   image       build the flight image and print its size
   no-panic    prove that the control interrupt cannot panic, with a negative control
   chip-test   build the images and run everything that needs the emulated chip
-  flash       build the flight image and put it on a board (probe-rs)";
+  flash       build the flight image and put it on a board (probe-rs)
+  book        write the book's pages of the effects: simulates and diagnoses each
+  book-check  build the book (mdbook), follow its links, run its commands";
 
 fn main() -> ExitCode {
     let command = std::env::args().nth(1);
@@ -22,6 +26,8 @@ fn main() -> ExitCode {
         Some("no-panic") => no_panic::check(),
         Some("chip-test") => chip_test::run(),
         Some("flash") => flash(),
+        Some("book") => book::pages(),
+        Some("book-check") => book::check(),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

@@ -44,7 +44,9 @@ Examples:
 
 Exit status:
   0  the question was answered, whatever the answer is
-  2  the input or the arguments could not be used; the message says where and what to do";
+  2  the input or the arguments could not be used; the message says where and what to do
+
+The book: docs/introduction.md; every column, key and field of the files: docs/formats.md";
 
 #[derive(Subcommand)]
 enum Command {
