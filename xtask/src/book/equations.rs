@@ -86,6 +86,21 @@ const CHAPTERS: [(&str, &[&str]); 9] = [
 ];
 
 pub fn write(root: &Path) -> Outcome {
+    fs::write(root.join("docs/equations.md"), page(root)?).map_err(|error| error.to_string())
+}
+
+/// The page has to be what the modules say now.
+pub fn check(root: &Path) -> Outcome {
+    let found = fs::read_to_string(root.join("docs/equations.md"))
+        .map_err(|error| format!("equations.md: {error}"))?;
+    if found == page(root)? {
+        Ok(())
+    } else {
+        Err("docs/equations.md is stale: run `cargo xtask book`".into())
+    }
+}
+
+fn page(root: &Path) -> Outcome<String> {
     let mut page = String::from(
         "# Equations, symbols and sources\n\nWritten by `cargo xtask book` from what each module of the method says of itself.\n",
     );
@@ -105,5 +120,5 @@ pub fn write(root: &Path) -> Outcome {
             let _ = writeln!(page, "\n### {module}\n\n{}", text.join("\n"));
         }
     }
-    fs::write(root.join("docs/equations.md"), page).map_err(|error| error.to_string())
+    Ok(page)
 }

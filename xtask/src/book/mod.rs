@@ -19,6 +19,7 @@ pub fn pages() -> Outcome {
 /// Builds the book, follows its links, runs its commands, and looks for every field of their answers.
 pub fn check() -> Outcome {
     let root = root();
+    equations::check(&root)?;
     links::check(&root.join("docs"))?;
     output(
         Command::new("mdbook")
