@@ -10,13 +10,12 @@
 //! questions leave a folder of files that need nothing else; the same seed gives the same bytes.
 
 mod black_box;
-pub mod canvas;
 mod conceal;
 mod confusion;
 mod error;
 pub mod files;
 mod judge;
-mod page;
+pub mod page;
 mod prove;
 pub mod reproduce;
 mod seal;

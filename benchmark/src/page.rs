@@ -1,13 +1,16 @@
 //! The report of a proof: one HTML file that needs nothing else.
 
+use crate::Error;
 use crate::confusion;
 use crate::judge::Outcome;
 use crate::tally::Table;
-use crate::{Error, canvas};
 use host_sim::Air;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
 use serde::Serialize;
+
+/// What all pages look like.
+pub const STYLE: &str = include_str!("page.css");
 
 /// What the template is given.
 #[derive(Serialize)]
@@ -47,7 +50,7 @@ pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64, air: Air) -> Resu
         cases: outcomes.iter().map(case).collect(),
         command: command(outcomes.len(), seed, air),
         version: env!("CARGO_PKG_VERSION"),
-        style: canvas::STYLE,
+        style: STYLE,
     };
     environment.get_template("proof").and_then(|t| t.render(Serde(page))).map_err(failed)
 }

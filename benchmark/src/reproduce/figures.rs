@@ -1,35 +1,31 @@
 //! The pictures of one campaign.
 
 use super::campaign::{Campaign, closed_loop_label, prbs_label};
-use crate::Error;
-use crate::canvas::{
-    Area, Axes, BASELINE, EXTENDED, MEASURED, font, mesh, padded, px, standalone, svg, tick,
-};
-use plotters::prelude::*;
+use chart::ticks::padded;
+use chart::{Axis, Panel, Series, Shape, Tone};
 use sysid::identify::compare::Identification;
 
-/// A further method.
-const GREEN: RGBColor = RGBColor(0x2E, 0x9E, 0x5B);
-/// And one more.
-const PURPLE: RGBColor = RGBColor(0x8E, 0x5B, 0xC2);
 /// The methods of the paper's table and their colours.
-const METHODS: [(&str, RGBColor); 4] =
-    [("LMS FIR + Kung", PURPLE), ("PI-MOESP", EXTENDED), ("grey-box ML", BASELINE), ("H∞ match", GREEN)];
+const METHODS: [(&str, Tone); 4] = [
+    ("LMS FIR + Kung", Tone::Fourth),
+    ("PI-MOESP", Tone::After),
+    ("grey-box ML", Tone::Before),
+    ("H∞ match", Tone::Third),
+];
 /// Orders and their colours.
-const ORDERS: [RGBColor; 5] = [EXTENDED, BASELINE, GREEN, PURPLE, MEASURED];
+const ORDERS: [Tone; 5] = [Tone::After, Tone::Before, Tone::Third, Tone::Fourth, Tone::Measured];
 /// A gain below this is not drawn, dB.
 const FLOOR_DB: f64 = -20.0;
 
 struct Curve {
     name: String,
     points: Vec<(f64, f64)>,
-    color: RGBColor,
-    width: u32,
+    tone: Tone,
 }
 
 struct Chart {
     label: String,
-    size: [u32; 2],
+    height: u32,
     x: &'static str,
     y: &'static str,
     log_x: bool,
@@ -43,7 +39,7 @@ struct Chart {
 }
 
 /// All pictures with their file names.
-pub fn all(campaign: &Campaign, found: &Identification) -> Result<Vec<(&'static str, String)>, Error> {
+pub fn all(campaign: &Campaign, found: &Identification) -> Vec<(&'static str, String)> {
     let named: Vec<&str> = METHODS.iter().map(|(name, _)| *name).collect();
     let traces = |label: &str, names: &[&str]| traces(campaign, found, label, names);
     let charts = [
@@ -53,7 +49,7 @@ pub fn all(campaign: &Campaign, found: &Identification) -> Result<Vec<(&'static 
         ("bode.svg", bode(campaign, found)),
         ("choice.svg", choice(found)),
     ];
-    charts.into_iter().map(|(name, chart)| Ok((name, chart.draw()?))).collect()
+    charts.into_iter().map(|(name, chart)| (name, chart.draw())).collect()
 }
 
 fn traces(campaign: &Campaign, found: &Identification, label: &str, names: &[&str]) -> Chart {
@@ -65,17 +61,17 @@ fn traces(campaign: &Campaign, found: &Identification, label: &str, names: &[&st
         };
         let measured = run.rate.as_deref().unwrap_or_default();
         let points = timed(measured.get(place.rows.clone()).unwrap_or_default());
-        curves.push(Curve { name: "measured".into(), points, color: MEASURED, width: 6 });
+        curves.push(Curve { name: "measured".into(), points, tone: Tone::Measured });
         for (name, color) in METHODS.iter().filter(|(name, _)| names.contains(name)) {
             let method = found.methods.iter().find(|m| m.name == *name);
             if let Some(values) = method.and_then(|m| m.simulated.get(label)) {
-                curves.push(Curve { name: (*name).into(), points: timed(values), color: *color, width: 5 });
+                curves.push(Curve { name: (*name).into(), points: timed(values), tone: *color });
             }
         }
     }
     Chart {
         label: format!("section {label}: pitch rate measured and simulated"),
-        size: [900, 340],
+        height: 270,
         x: "time, s",
         y: "pitch rate, rad/s",
         log_x: false,
@@ -100,12 +96,12 @@ fn bode(campaign: &Campaign, found: &Identification) -> Chart {
         let model = found.methods.iter().find(|m| m.name == *name)?.model.as_ref()?;
         let gain = |omega: &f64| Some((*omega, decibel(model.frequency_response(*omega, step)?.norm())));
         let points = omegas.iter().filter_map(gain).filter(|p| p.1 > FLOOR_DB).collect();
-        Some(Curve { name: (*name).into(), points, color: *color, width: 5 })
+        Some(Curve { name: (*name).into(), points, tone: *color })
     });
     let band = found.hinf.iter().flat_map(|hinf| &hinf.gain_band);
     Chart {
         label: "gain from the command to the pitch rate".into(),
-        size: [900, 400],
+        height: 330,
         x: "rad/s",
         y: "gain, dB (1/s)",
         log_x: true,
@@ -124,11 +120,11 @@ fn choice(found: &Identification) -> Chart {
     let curves = ORDERS.iter().enumerate().map(|(k, color)| {
         let own = cells.iter().filter(|cell| cell.order == k + 1);
         let points = own.filter_map(|cell| Some((cell.block_size as f64, cell.vaf_percent?))).collect();
-        Curve { name: format!("n = {}", k + 1), points, color: *color, width: 5 }
+        Curve { name: format!("n = {}", k + 1), points, tone: *color }
     });
     Chart {
         label: "cross-validated VAF of PI-MOESP over block size and order".into(),
-        size: [900, 300],
+        height: 230,
         x: "block size i",
         y: "VAF, %",
         log_x: false,
@@ -140,81 +136,38 @@ fn choice(found: &Identification) -> Chart {
 }
 
 impl Chart {
-    fn draw(&self) -> Result<String, Error> {
-        Ok(standalone(&svg(self.size, &self.label, |area| {
-            let (head, body) = area.split_vertically(px(26));
-            self.legend(&head)?;
-            self.panel(&body)
-        })?))
-    }
-
-    /// Where x stands on the axis.
-    fn place(&self, x: f64) -> f64 {
-        if self.log_x { x.log10() } else { x }
-    }
-
-    fn legend(&self, area: &Area<'_>) -> Result<(), String> {
-        let mut x = 66;
-        for curve in &self.curves {
-            let line = [(x, 13), (x + 22, 13)].map(|(x, y)| (px(x) as i32, px(y) as i32));
-            area.draw(&PathElement::new(line, curve.color.stroke_width(px(2)))).map_err(|e| e.to_string())?;
-            let at = (px(x + 28) as i32, px(7) as i32);
-            area.draw(&Text::new(curve.name.as_str(), at, font(13.0))).map_err(|e| e.to_string())?;
-            x += 60 + (7.2 * curve.name.chars().count() as f64) as u32;
-        }
-        Ok(())
-    }
-
-    fn panel(&self, area: &Area<'_>) -> Result<(), String> {
+    fn draw(&self) -> String {
+        let place = |x: f64| if self.log_x { x.log10() } else { x };
         let points = || self.curves.iter().flat_map(|c| &c.points);
         let xs = points()
-            .map(|p| self.place(p.0))
+            .map(|p| place(p.0))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        if xs.0 >= xs.1 {
-            return Ok(());
-        }
+        let xs = if xs.0 < xs.1 { xs.0..xs.1 } else { 0.0..1.0 };
         let ys = padded(points().map(|p| p.1).chain(self.bars.iter().flat_map(|b| [b[1], b[2]])));
-        let mut chart = ChartBuilder::on(area)
-            .margin_top(px(6))
-            .margin_right(px(12))
-            .margin_left(px(8))
-            .x_label_area_size(px(34))
-            .y_label_area_size(px(62))
-            .build_cartesian_2d(xs.0..xs.1, ys.clone())
-            .map_err(|e| e.to_string())?;
-        let written = |x: &f64| if self.log_x { tick(&round(10.0_f64.powf(*x))) } else { tick(x) };
-        mesh(&mut chart, &Axes { labels: [9, 6], x: self.x, y: self.y }, &written)?;
-        let inside = |x: f64, y: f64| (self.place(x).clamp(xs.0, xs.1), y.clamp(ys.start, ys.end));
-        let upper = self.band.iter().map(|b| inside(b[0], b[2]));
-        let outline: Vec<(f64, f64)> =
-            upper.chain(self.band.iter().rev().map(|b| inside(b[0], b[1]))).collect();
-        if outline.len() > 2 {
-            let area = Polygon::new(outline, EXTENDED.mix(0.15).filled());
-            chart.draw_series([area]).map_err(|e| e.to_string())?;
-        }
-        for [x, low, high, middle] in &self.bars {
-            let bar =
-                PathElement::new(vec![inside(*x, *low), inside(*x, *high)], MEASURED.stroke_width(px(1)));
-            chart.draw_series([bar]).map_err(|e| e.to_string())?;
-            let dot = Circle::new(inside(*x, *middle), px(2), MEASURED.filled());
-            chart.draw_series([dot]).map_err(|e| e.to_string())?;
-        }
+        let inside = |x: f64| place(x).clamp(xs.start, xs.end);
+        let band = self.band.iter().map(|[x, low, high]| [inside(*x), *low, *high]).collect();
+        let middles = self.bars.iter().map(|[x, _, _, middle]| [inside(*x), *middle, 0.0]).collect();
+        let bars = self.bars.iter().map(|[x, low, high, _]| vec![[inside(*x), *low], [inside(*x), *high]]);
+        let mut series = vec![
+            Series::new("", Tone::After, Shape::Band(band)),
+            Series::new("", Tone::Measured, Shape::Lines(bars.collect())),
+            Series::new("", Tone::Measured, Shape::Dots(middles)),
+        ];
         for curve in &self.curves {
-            let points = curve.points.iter().map(|(x, y)| inside(*x, *y));
-            if self.dotted {
-                let dots = points.map(|at| Circle::new(at, px(3), curve.color.filled()));
-                chart.draw_series(dots).map_err(|e| e.to_string())?;
+            let points = curve.points.iter().map(|(x, y)| [place(*x), *y]);
+            let shape = if self.dotted {
+                Shape::Dots(points.map(|[x, y]| [x, y, 0.0]).collect())
             } else {
-                let line = LineSeries::new(points, curve.color.stroke_width(curve.width));
-                chart.draw_series(line).map_err(|e| e.to_string())?;
-            }
+                Shape::Lines(vec![points.collect()])
+            };
+            series.push(Series::new(curve.name.as_str(), curve.tone, shape));
         }
-        Ok(())
+        chart::Chart {
+            label: self.label.clone(),
+            x: Axis { title: self.x.into(), range: xs, logarithmic: self.log_x },
+            panels: vec![Panel { height: self.height, y: Axis::linear(self.y, ys), series }],
+            windows: Vec::new(),
+        }
+        .file(900)
     }
-}
-
-/// Two significant digits.
-fn round(x: f64) -> f64 {
-    let unit = 10.0_f64.powf(x.abs().max(1e-12).log10().floor() - 1.0);
-    (x / unit).round() * unit
 }

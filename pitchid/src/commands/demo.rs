@@ -117,7 +117,7 @@ fn write_answers(files: &Files<'_>, found: &Diagnosis, content: &Content) -> Res
         .write("report.html", &report::html(content, &found.traces, &found.over_time, &found.components)?)?;
     let Some(trace) = report::headline_trace(&found.traces) else { return Ok(()) };
     let view = View { trace, changed: report::is_changed(&found.answer), windows: &[] };
-    files.write("demo.svg", &view.standalone()?)
+    files.write("demo.svg", &view.large().file(900))
 }
 
 fn told(

@@ -149,7 +149,7 @@ fn write(arguments: &Arguments, found: &Diagnosis, content: &Content) -> Result<
         put("report", path, &report::html(content, &found.traces, &found.over_time, &found.components)?)?;
     }
     if let Some(folder) = &arguments.pictures {
-        let pictures = report::pictures(content, &found.traces, &found.over_time, &found.components)?;
+        let pictures = report::pictures(content, &found.traces, &found.over_time, &found.components);
         for (name, svg) in pictures {
             put("picture", &folder.join(name), &svg)?;
         }

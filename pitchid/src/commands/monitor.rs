@@ -3,12 +3,9 @@
 use super::reading::Reading;
 use crate::failure::Failure;
 use crate::{output, text};
-use benchmark::canvas::{
-    Axes, BASELINE, EXTENDED, INK, MEASURED, SCALE, legend, mesh, px, standalone, svg, tick,
-};
+use chart::{Axis, Chart, Panel, Series, Shape, Tone};
 use clap::Args;
 use estimator_core::monitor::{Cause, Change, MonitorConfig, Verdict};
-use plotters::prelude::*;
 use serde_json::json;
 use std::path::PathBuf;
 use sysid::dataset::Dataset;
@@ -89,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         output::print(&told(&runs, &events))?;
     }
     if let Some(path) = &arguments.plot {
-        output::write(path, &standalone(&picture(&runs)?))?;
+        output::write(path, &picture(&runs))?;
     }
     let Some(path) = &arguments.json else { return Ok(()) };
     let answer = json!({
@@ -185,43 +182,37 @@ fn told(runs: &[Vec<Row>], events: &[Vec<Event>]) -> String {
 }
 
 /// Evidence of each cause over time.
-fn picture(runs: &[Vec<Row>]) -> Result<String, Failure> {
+fn picture(runs: &[Vec<Row>]) -> String {
     let rows: Vec<&Row> = runs.iter().flatten().collect();
     let every = rows.len().div_ceil(POINTS).max(1);
     let largest = most(rows.iter().copied());
     let mut order: Vec<usize> = (0..Cause::ALL.len()).filter(|&place| largest[place] >= SHOWN).collect();
     order.sort_by(|&a, &b| largest[b].total_cmp(&largest[a]));
-    let colours = [EXTENDED, BASELINE, INK];
+    let tones = [Tone::After, Tone::Before, Tone::Third];
     let top = f64::from(largest.iter().copied().fold(1.0, f32::max)) * 1.1;
     let (from, to) = (rows.first().map_or(0.0, |row| row.t), rows.last().map_or(1.0, |row| row.t));
-    let named = order
-        .iter()
-        .take(colours.len())
-        .zip(colours)
-        .map(|(&place, colour)| (Cause::ALL[place].name(), colour));
-    let picture = svg([900, 260], "evidence of each cause over time", |area| {
-        let (head, body) = area.split_vertically(px(26));
-        legend(&head, named.chain([("other causes", MEASURED)]))?;
-        let mut chart = ChartBuilder::on(&body)
-            .margin_top(px(6))
-            .margin_right(px(12))
-            .x_label_area_size(px(32))
-            .y_label_area_size(px(56))
-            .build_cartesian_2d(from..to, 0.0..top)
-            .map_err(|e| e.to_string())?;
-        mesh(&mut chart, &Axes { labels: [9, 5], x: "time, s", y: "evidence (1: told)" }, &tick)?;
-        let threshold = LineSeries::new([(from, 1.0), (to, 1.0)], INK.stroke_width(SCALE));
-        chart.draw_series(threshold).map_err(|e| e.to_string())?;
-        for place in 0..Cause::ALL.len() {
-            let rank = order.iter().position(|&of| of == place);
-            let colour = rank.and_then(|rank| colours.get(rank)).copied().unwrap_or(MEASURED);
-            for run in runs {
-                let points = run.chunks(every).map(|chunk| (chunk[0].t, f64::from(most(chunk)[place])));
-                let line = LineSeries::new(points, colour.stroke_width(SCALE * 3 / 2));
-                chart.draw_series(line).map_err(|e| e.to_string())?;
-            }
+    let of_cause = |place: usize| {
+        let rank = order.iter().position(|&of| of == place).filter(|rank| *rank < tones.len());
+        let points = |run: &Vec<Row>| {
+            run.chunks(every).map(|chunk| [chunk[0].t, f64::from(most(chunk)[place])]).collect()
+        };
+        let lines = Shape::Lines(runs.iter().map(points).collect());
+        match rank {
+            Some(rank) => Series::new(Cause::ALL[place].name(), tones[rank], lines),
+            None => Series::new("other causes", Tone::Measured, lines),
         }
-        Ok(())
-    });
-    Ok(picture?)
+    };
+    let mut series: Vec<Series> = (0..Cause::ALL.len()).map(of_cause).collect();
+    series.push(Series::new("told", Tone::Ink, Shape::Dashes(vec![vec![[from, 1.0], [to, 1.0]]])));
+    let chart = Chart {
+        label: "evidence of each cause over time".into(),
+        x: Axis::linear("time, s", from..to),
+        panels: vec![Panel {
+            height: 190,
+            y: Axis::linear("evidence, 1 where it is told", 0.0..top),
+            series,
+        }],
+        windows: Vec::new(),
+    };
+    chart.file(900)
 }

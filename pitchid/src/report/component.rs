@@ -1,10 +1,7 @@
 //! What the data say of a term with that term taken out of the model, beside the term.
 
-use benchmark::Error;
-use benchmark::canvas::{
-    Area, Axes, BASELINE, EXTENDED, INK, MEASURED, Plane, legend, mesh, padded, px, svg, tick,
-};
-use plotters::prelude::*;
+use chart::ticks::padded;
+use chart::{Axis, Chart, Panel, Series, Shape, Tone};
 use sysid::diagnosis::component::{Branch, Component};
 use sysid::model::effect::{Picture, Signal};
 
@@ -14,7 +11,7 @@ const NORMAL_95: f64 = 1.96;
 const MOST_OF_INTERVALS: f64 = 0.5;
 
 /// The picture of a term.
-pub fn picture(component: &Component) -> Result<String, Error> {
+pub fn picture(component: &Component) -> Chart {
     let branches = &component.branches;
     let values = || {
         let points = branches.iter().flat_map(|b| b.data.iter().map(|p| p[1]));
@@ -32,52 +29,33 @@ pub fn picture(component: &Component) -> Result<String, Error> {
     });
     let span = padded(across);
     let (x, y) = axes(component);
-    svg([440, 300], &format!("{}: data and term", component.about.id), |area| {
-        let (head, body) = area.split_vertically(px(24));
-        names(&head, branches.len())?;
-        let mut chart = ChartBuilder::on(&body)
-            .margin_top(px(6))
-            .margin_right(px(12))
-            .x_label_area_size(px(38))
-            .y_label_area_size(px(66))
-            .build_cartesian_2d(span.clone(), range.clone())
-            .map_err(|e| e.to_string())?;
-        mesh(&mut chart, &Axes { labels: [6, 6], x: &x, y: &y }, &tick)?;
-        for (branch, color) in branches.iter().zip([EXTENDED, MEASURED]) {
-            draw(&mut chart, branch, color, [range.start, range.end])?;
+    let series: Vec<Series> = match &branches[..] {
+        [rising, falling, ..] => {
+            let rising = drawn(rising, [("rising", Tone::After), ("rising", Tone::After)]);
+            let falling = drawn(falling, [("falling", Tone::Third), ("falling", Tone::Third)]);
+            rising.into_iter().chain(falling).collect()
         }
-        Ok(())
-    })
-}
-
-fn names(area: &Area<'_>, branches: usize) -> Result<(), String> {
-    let without = ("without the term", BASELINE);
-    match branches {
-        2 => legend(area, [without, ("rising", EXTENDED), ("falling", MEASURED)]),
-        _ => legend(area, [without, ("with it", EXTENDED), ("the data", INK)]),
-    }
-}
-
-fn draw(
-    chart: &mut Plane<'_, '_>,
-    branch: &Branch,
-    color: RGBColor,
-    [low, high]: [f64; 2],
-) -> Result<(), String> {
-    let mut line = |points: Vec<(f64, f64)>, color: RGBColor, width: u32| {
-        let path = PathElement::new(points, color.stroke_width(width));
-        chart.draw_series([path]).map(|_| ()).map_err(|e| e.to_string())
+        _ => branches
+            .iter()
+            .flat_map(|b| drawn(b, [("with it", Tone::After), ("the data", Tone::Ink)]))
+            .collect(),
     };
-    let curve = |points: &[[f64; 2]]| points.iter().map(|[x, y]| (*x, *y)).collect();
-    line(curve(&branch.without), BASELINE, px(1))?;
-    line(curve(&branch.with), color, px(2))?;
-    let dots = if color == EXTENDED { INK } else { color };
-    for [x, y, error] in &branch.data {
-        let ends = [y - NORMAL_95 * error, y + NORMAL_95 * error].map(|end| (*x, end.clamp(low, high)));
-        line(ends.to_vec(), dots, px(1))?;
+    Chart {
+        label: format!("{}: data and term", component.about.id),
+        x: Axis::linear(x, span),
+        panels: vec![Panel { height: 220, y: Axis::linear(y, range), series }],
+        windows: Vec::new(),
     }
-    let dots = branch.data.iter().map(|[x, y, _]| Circle::new((*x, *y), px(3), dots.filled()));
-    chart.draw_series(dots).map(|_| ()).map_err(|e| e.to_string())
+}
+
+/// Without the term, with it, and the data.
+fn drawn(branch: &Branch, [with, data]: [(&str, Tone); 2]) -> [Series; 3] {
+    let dots = branch.data.iter().map(|[x, y, error]| [*x, *y, NORMAL_95 * error]).collect();
+    [
+        Series::new("without the term", Tone::Before, Shape::Lines(vec![branch.without.clone()])),
+        Series::new(with.0, with.1, Shape::Bold(vec![branch.with.clone()])),
+        Series::new(data.0, data.1, Shape::Dots(dots)),
+    ]
 }
 
 /// What stands on the axes, with units.
@@ -146,12 +124,12 @@ mod tests {
 
     #[test]
     fn dots_intervals_and_both_curves_are_drawn() {
-        let drawn = picture(&component("coulomb_friction", 1)).unwrap();
-        assert_eq!(drawn.matches("<circle").count(), 11);
+        let drawn = picture(&component("coulomb_friction", 1)).html();
+        assert_eq!(drawn.matches("h0").count(), 11);
         assert!(drawn.contains("q, rad/s") && drawn.contains("moment, N m"));
-        assert_eq!(drawn.matches("stroke=\"#D95F1E\"").count(), 2, "legend and curve");
-        let turns = picture(&component("hysteresis", 2)).unwrap();
-        assert!(turns.contains("rising") && turns.matches("<circle").count() == 22);
+        assert_eq!(drawn.matches("class=\"line before\"").count(), 1);
+        let turns = picture(&component("hysteresis", 2)).html();
+        assert!(turns.contains("rising") && turns.matches("h0").count() == 22);
         assert!(caption(&component("servo_lag", 1)).contains("after a step of the command"));
     }
 
@@ -159,7 +137,7 @@ mod tests {
     fn an_interval_that_is_wide_does_not_hide_the_rest() {
         let mut wide = component("coulomb_friction", 1);
         wide.branches[0].data[0][2] = 1e6;
-        let drawn = picture(&wide).unwrap();
-        assert!(drawn.contains("0.05") && !drawn.contains("1000000"), "{drawn}");
+        let drawn = picture(&wide).html();
+        assert!(drawn.contains(">0.1</text>") && !drawn.contains("1000000"), "{drawn}");
     }
 }

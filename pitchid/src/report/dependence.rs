@@ -1,43 +1,32 @@
 //! The residual moment against the signal that it depends on most.
 
 use super::content::symbol;
-use benchmark::Error;
-use benchmark::canvas::{Axes, EXTENDED, INK, mesh, padded, px, svg, tick};
-use plotters::prelude::*;
+use chart::ticks::padded;
+use chart::{Axis, Chart, Panel, Series, Shape, Tone};
 use sysid::diagnosis::answer::Dependence;
 
 /// Two-sided 95 % of a normal distribution, in standard errors.
 const NORMAL_95: f64 = 1.96;
 
 /// Means by class of the signal with their 95 % intervals.
-pub fn picture(dependence: &Dependence) -> Result<String, Error> {
+pub fn picture(dependence: &Dependence) -> Chart {
     let classes = told_apart(&dependence.classes);
-    let label = format!("residual moment against {}", dependence.variable);
-    svg([440, 280], &label, |area| {
-        let ends = |c: &[f64; 3]| [c[1] - NORMAL_95 * c[2], c[1] + NORMAL_95 * c[2], 0.0];
-        let mut chart = ChartBuilder::on(area)
-            .margin_top(px(8))
-            .margin_right(px(12))
-            .x_label_area_size(px(38))
-            .y_label_area_size(px(62))
-            .build_cartesian_2d(padded(classes.iter().map(|c| c[0])), padded(classes.iter().flat_map(ends)))
-            .map_err(|e| e.to_string())?;
-        let x = format!("{}, {}", symbol(&dependence.variable), dependence.unit);
-        mesh(&mut chart, &Axes { labels: [6, 6], x: &x, y: "residual moment, N m" }, &tick)?;
-        let mut draw = |points: Vec<(f64, f64)>, color: RGBColor, width: u32| {
-            let line = PathElement::new(points, color.stroke_width(width));
-            chart.draw_series([line]).map(|_| ()).map_err(|e| e.to_string())
-        };
-        let (first, last) = (classes.first().map_or(0.0, |c| c[0]), classes.last().map_or(0.0, |c| c[0]));
-        draw(vec![(first, 0.0), (last, 0.0)], INK, 3)?;
-        draw(classes.iter().map(|c| (c[0], c[1])).collect(), EXTENDED, 4)?;
-        for class in &classes {
-            let [low, high, _] = ends(class);
-            draw(vec![(class[0], low), (class[0], high)], EXTENDED, 6)?;
-        }
-        let dots = classes.iter().map(|c| Circle::new((c[0], c[1]), px(4), EXTENDED.filled()));
-        chart.draw_series(dots).map(|_| ()).map_err(|e| e.to_string())
-    })
+    let ends = |c: &[f64; 3]| [c[1] - NORMAL_95 * c[2], c[1] + NORMAL_95 * c[2], 0.0];
+    let line = Shape::Lines(vec![classes.iter().map(|c| [c[0], c[1]]).collect()]);
+    let dots = Shape::Dots(classes.iter().map(|c| [c[0], c[1], NORMAL_95 * c[2]]).collect());
+    Chart {
+        label: format!("residual moment against {}", dependence.variable),
+        x: Axis::linear(
+            format!("{}, {}", symbol(&dependence.variable), dependence.unit),
+            padded(classes.iter().map(|c| c[0])),
+        ),
+        panels: vec![Panel {
+            height: 210,
+            y: Axis::linear("residual moment, N m", padded(classes.iter().flat_map(ends))),
+            series: vec![Series::new("", Tone::After, line), Series::new("", Tone::After, dots)],
+        }],
+        windows: Vec::new(),
+    }
 }
 
 /// The classes, those at nearly the same value of the signal as one: a two-level input has many such.
@@ -62,8 +51,8 @@ mod tests {
     fn one_dot_for_each_class() {
         let classes = vec![[-0.5, 0.1, 0.02], [0.0, 0.0, 0.02], [0.5, -0.1, 0.02], [f64::NAN, 0.0, 0.0]];
         let dependence = Dependence { variable: "q".into(), unit: "rad/s".into(), share: 0.3, classes };
-        let drawn = picture(&dependence).unwrap();
-        assert_eq!(drawn.matches("<circle").count(), 3);
+        let drawn = picture(&dependence).html();
+        assert_eq!(drawn.matches("h0").count(), 3);
         assert!(drawn.contains("q, rad/s"));
     }
 

@@ -2,13 +2,13 @@
 
 mod component;
 pub mod content;
-pub mod decimate;
 mod dependence;
 mod over_time;
 pub mod traces;
 
 use crate::failure::Failure;
-use benchmark::canvas;
+use benchmark::page::STYLE;
+use chart::Chart;
 use content::{Content, is_everywhere, symbol};
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment};
@@ -24,69 +24,82 @@ use traces::View;
 const MOST_SECTIONS: usize = 16;
 /// Recordings whose residual moment is drawn over time.
 const MOST_RECORDINGS: usize = 4;
+/// Width of a picture over time as a file, and of one of two that stand side by side, CSS pixels.
+const WIDE: u32 = 900;
+const HALF: u32 = 440;
 
 /// A picture with its caption.
-#[derive(Serialize)]
 struct Figure {
     caption: String,
+    chart: Chart,
+}
+
+/// The same, ready for the page.
+#[derive(Serialize)]
+struct Drawn {
+    caption: String,
     svg: String,
+}
+
+impl Figure {
+    fn on_page(self) -> Drawn {
+        Drawn { caption: self.caption, svg: self.chart.html() }
+    }
 }
 
 /// What the template is given.
 #[derive(Serialize)]
 struct Page<'a> {
     content: &'a Content,
-    first: Option<Figure>,
-    others: Vec<Figure>,
+    first: Option<Drawn>,
+    others: Vec<Drawn>,
     /// Number of sections that are in the table only.
     undrawn: usize,
-    components: Vec<Figure>,
-    dependence: Option<Figure>,
-    over_time: Vec<Figure>,
+    components: Vec<Drawn>,
+    dependence: Option<Drawn>,
+    over_time: Vec<Drawn>,
     style: &'static str,
-    dark_style: &'static str,
+    chart_style: &'static str,
+    script: &'static str,
     json: String,
 }
 
 /// The pictures of the report as files of their own, for light and dark pages: name and SVG.
-///
-/// # Errors
-/// A picture that could not be drawn.
 pub fn pictures(
     content: &Content,
     traces: &[Trace],
     over_time: &OverTime,
     components: &[Component],
-) -> Result<Vec<(String, String)>, Failure> {
+) -> Vec<(String, String)> {
     let answer = &content.answer;
     let mut pictures = Vec::new();
-    let mut put = |name: String, figure: Figure| pictures.push((name, canvas::standalone(&figure.svg)));
-    let (first, others) = figures(content, traces)?;
+    let mut put = |name: String, width: u32, figure: Figure| pictures.push((name, figure.chart.file(width)));
+    let (first, others) = figures(content, traces);
     for (index, figure) in first.into_iter().chain(others).enumerate() {
-        put(format!("section-{}.svg", index + 1), figure);
+        put(format!("section-{}.svg", index + 1), WIDE, figure);
     }
     for (index, component) in components.iter().enumerate() {
         let id = component.about.id;
         let earlier = components[..index].iter().filter(|c| c.about.id == id).count();
         let again = if earlier > 0 { format!("-{}", earlier + 1) } else { String::new() };
-        put(format!("term-{id}{again}.svg"), of_term(component)?);
+        put(format!("term-{id}{again}.svg"), HALF, of_term(component));
     }
     if let Some(dependence) = answer.location.as_ref().and_then(|l| l.dependence.first()) {
-        put("dependence.svg".into(), drawn(dependence)?);
+        put("dependence.svg".into(), HALF, drawn(dependence));
     }
-    for (index, figure) in moments(content, traces, over_time)?.into_iter().enumerate() {
-        put(format!("moment-{}.svg", index + 1), figure);
+    for (index, figure) in moments(content, traces, over_time).into_iter().enumerate() {
+        put(format!("moment-{}.svg", index + 1), WIDE, figure);
     }
     if answer.per_unit_inertia {
         pictures.iter_mut().for_each(|(_, svg)| *svg = per_inertia(svg));
     }
-    Ok(pictures)
+    pictures
 }
 
 /// Renders the report.
 ///
 /// # Errors
-/// A picture or the page that could not be drawn.
+/// A page that could not be made.
 pub fn html(
     content: &Content,
     traces: &[Trace],
@@ -94,19 +107,19 @@ pub fn html(
     components: &[Component],
 ) -> Result<String, Failure> {
     let answer = &content.answer;
-    let (first, others) = figures(content, traces)?;
+    let (first, others) = figures(content, traces);
     let dependence = answer.location.as_ref().and_then(|l| l.dependence.first());
-    let dependence = dependence.map(drawn).transpose()?;
     let page = Page {
         content,
-        first,
-        others,
+        first: first.map(Figure::on_page),
+        others: on_page(others),
         undrawn: traces.len().saturating_sub(MOST_SECTIONS + 1),
-        components: components.iter().map(of_term).collect::<Result<_, _>>()?,
-        dependence,
-        over_time: moments(content, traces, over_time)?,
-        style: canvas::STYLE,
-        dark_style: canvas::DARK_STYLE,
+        components: on_page(components.iter().map(of_term)),
+        dependence: dependence.map(|d| drawn(d).on_page()),
+        over_time: on_page(moments(content, traces, over_time)),
+        style: STYLE,
+        chart_style: chart::STYLE,
+        script: chart::SCRIPT,
         json: embedded_json(content)?,
     };
     let page = rendered(include_str!("report.html"), page)?;
@@ -125,37 +138,41 @@ pub fn rendered(template: &str, page: impl Serialize) -> Result<String, Failure>
         .map_err(|error| Failure::new(format!("the report could not be made: {error}"), "leave out --report"))
 }
 
+fn on_page(figures: impl IntoIterator<Item = Figure>) -> Vec<Drawn> {
+    figures.into_iter().map(Figure::on_page).collect()
+}
+
 /// What the data say of a term.
-fn of_term(component: &Component) -> Result<Figure, Failure> {
-    Ok(Figure { caption: component::caption(component), svg: component::picture(component)? })
+fn of_term(component: &Component) -> Figure {
+    Figure { caption: component::caption(component), chart: component::picture(component) }
 }
 
 /// The residual moment against a signal.
-fn drawn(dependence: &Dependence) -> Result<Figure, Failure> {
+fn drawn(dependence: &Dependence) -> Figure {
     let signal = symbol(&dependence.variable);
     let caption = format!(
         "Moment that the model before cannot explain: means by class of {signal}, with 95 % intervals"
     );
-    Ok(Figure { caption, svg: dependence::picture(dependence)? })
+    Figure { caption, chart: dependence::picture(dependence) }
 }
 
 /// The section that shows most, large, and the others.
-fn figures(content: &Content, traces: &[Trace]) -> Result<(Option<Figure>, Vec<Figure>), Failure> {
-    let Some(first) = headline_trace(traces) else { return Ok((None, Vec::new())) };
+fn figures(content: &Content, traces: &[Trace]) -> (Option<Figure>, Vec<Figure>) {
+    let Some(first) = headline_trace(traces) else { return (None, Vec::new()) };
     let windows = marked_windows(&content.answer, traces);
     let view = |trace| View { trace, changed: is_changed(&content.answer), windows: &windows };
     let caption = |trace: &Trace| caption(content, trace);
-    let large = Figure { caption: caption(first), svg: view(first).large()? };
+    let large = Figure { caption: caption(first), chart: view(first).large() };
     let others = traces.iter().filter(|t| t.label != first.label).take(MOST_SECTIONS);
-    let others = others.map(|t| Ok(Figure { caption: caption(t), svg: view(t).small()? }));
-    Ok((Some(large), others.collect::<Result<_, Failure>>()?))
+    let others = others.map(|t| Figure { caption: caption(t), chart: view(t).small() });
+    (Some(large), others.collect())
 }
 
 /// The residual moment over time, recording by recording, where the time says something.
-fn moments(content: &Content, traces: &[Trace], over_time: &OverTime) -> Result<Vec<Figure>, Failure> {
+fn moments(content: &Content, traces: &[Trace], over_time: &OverTime) -> Vec<Figure> {
     let windows = marked_windows(&content.answer, traces);
     if windows.is_empty() && !over_time.of_time {
-        return Ok(Vec::new());
+        return Vec::new();
     }
     let count = over_time.runs.iter().map(|run| run.recording + 1).max().unwrap_or(0);
     let figure = |recording: usize| {
@@ -164,7 +181,7 @@ fn moments(content: &Content, traces: &[Trace], over_time: &OverTime) -> Result<
         let of = if count > 1 { format!(", recording {}", recording + 1) } else { String::new() };
         let shaded = if windows.is_empty() { "" } else { "; shaded: when the model differs" };
         let caption = format!("Moment that the model cannot explain over time{of}{shaded}");
-        Ok(Figure { caption, svg: over_time::picture(&runs, &windows)? })
+        Figure { caption, chart: over_time::picture(&runs, &windows) }
     };
     (0..count.min(MOST_RECORDINGS)).map(figure).collect()
 }

@@ -1,11 +1,7 @@
 //! The residual moment over time, and how strong it is before and after.
 
-use super::decimate::min_max_rows;
-use benchmark::Error;
-use benchmark::canvas::{
-    Axes, BASELINE, EXTENDED, MEASURED, Plane, legend, mesh, padded, px, shade, svg, tick,
-};
-use plotters::prelude::*;
+use chart::ticks::padded;
+use chart::{Axis, Chart, Panel, Series, Shape, Tone, min_max_rows};
 use sysid::diagnosis::over_time::ResidualMoment;
 
 /// Points of each curve of a run.
@@ -13,65 +9,49 @@ const POINTS: usize = 2000;
 /// The strength of a moment is its root mean square over this time, s.
 const STRENGTH_S: f64 = 3.0;
 
-/// What is drawn of every run: times and values.
-struct Curve<'a> {
-    name: &'static str,
-    color: RGBColor,
-    width: u32,
-    runs: Vec<(&'a [f64], Vec<f64>)>,
-}
-
 /// One recording's picture from its `runs`; `windows` in s since its start.
-pub fn picture(runs: &[&ResidualMoment], windows: &[[f64; 2]]) -> Result<String, Error> {
-    let curves = curves(runs);
-    let range = padded(curves.iter().flat_map(|c| &c.runs).flat_map(|(_, values)| values.iter().copied()));
+pub fn picture(runs: &[&ResidualMoment], windows: &[[f64; 2]]) -> Chart {
+    let series = curves(runs);
+    let values = series.iter().flat_map(|of| match &of.shape {
+        Shape::Lines(pieces) | Shape::Bold(pieces) => pieces.iter().flatten().map(|p| p[1]).collect(),
+        _ => Vec::new(),
+    });
+    let range = padded(values);
     let times = || runs.iter().flat_map(|run| &run.t).copied();
     let span = times().fold(0.0, f64::min)..times().fold(1.0, f64::max);
-    svg([900, 230], "residual moment over time", |area| {
-        let (head, body) = area.split_vertically(px(26));
-        legend(&head, curves.iter().map(|curve| (curve.name, curve.color)))?;
-        let mut chart = ChartBuilder::on(&body)
-            .margin_top(px(6))
-            .margin_right(px(12))
-            .x_label_area_size(px(32))
-            .y_label_area_size(px(56))
-            .build_cartesian_2d(span.clone(), range.clone())
-            .map_err(|e| e.to_string())?;
-        mesh(&mut chart, &Axes { labels: [9, 5], x: "time, s", y: "moment, N m" }, &tick)?;
-        shade(&mut chart, windows, &span, &range)?;
-        curves.iter().try_for_each(|curve| curve.draw(&mut chart))
-    })
+    Chart {
+        label: "residual moment over time".into(),
+        x: Axis::linear("time, s", span),
+        panels: vec![Panel { height: 160, y: Axis::linear("moment, N m", range), series }],
+        windows: windows.to_vec(),
+    }
 }
 
-fn curves<'a>(runs: &[&'a ResidualMoment]) -> Vec<Curve<'a>> {
-    let of = |name, color, width, values: &dyn Fn(&'a ResidualMoment) -> Vec<f64>| Curve {
-        name,
-        color,
-        width,
-        runs: runs.iter().map(|run| (run.t.as_slice(), values(run))).collect(),
+fn curves(runs: &[&ResidualMoment]) -> Vec<Series> {
+    let pieces = |values: &dyn Fn(&ResidualMoment) -> Vec<f64>| -> Vec<Vec<[f64; 2]>> {
+        let piece = |run: &&ResidualMoment| {
+            let values = values(run);
+            let rows = min_max_rows(&values, POINTS);
+            rows.iter().filter(|&&k| k < run.t.len()).map(|&k| [run.t[k], values[k]]).collect()
+        };
+        runs.iter().map(piece).collect()
     };
     let before = |run: &ResidualMoment| strength(&run.t, &run.baseline);
     let after = |run: &ResidualMoment| strength(&run.t, run.extended.as_deref().unwrap_or_default());
-    let mut curves = vec![of("the moment", MEASURED, px(1), &|run| run.baseline.clone())];
+    let moment = Shape::Lines(pieces(&|run| run.baseline.clone()));
+    let mut curves = vec![Series::new("the moment", Tone::Measured, moment)];
     if runs.iter().all(|run| run.extended.is_none()) {
-        curves.push(of("its strength (rms over 3 s)", EXTENDED, px(2), &before));
+        let strength = Shape::Bold(pieces(&before));
+        curves.push(Series::new("its strength (rms over 3 s)", Tone::After, strength));
     } else {
-        curves.push(of("its strength (rms over 3 s) before", BASELINE, px(2), &before));
-        curves.push(of("after", EXTENDED, px(2), &after));
+        curves.push(Series::new(
+            "its strength (rms over 3 s) before",
+            Tone::Before,
+            Shape::Bold(pieces(&before)),
+        ));
+        curves.push(Series::new("after", Tone::After, Shape::Bold(pieces(&after))));
     }
     curves
-}
-
-impl Curve<'_> {
-    fn draw(&self, chart: &mut Plane<'_, '_>) -> Result<(), String> {
-        for (t, values) in &self.runs {
-            let rows = min_max_rows(values, POINTS);
-            let line = rows.iter().filter(|&&k| k < t.len()).map(|&k| (t[k], values[k]));
-            let series = LineSeries::new(line, self.color.stroke_width(self.width));
-            chart.draw_series(series).map_err(|e| e.to_string())?;
-        }
-        Ok(())
-    }
 }
 
 /// Root mean square of `values` within half of [`STRENGTH_S`] before and after each time.
@@ -101,12 +81,12 @@ mod tests {
 
     #[test]
     fn before_and_after_are_drawn_with_their_window() {
-        let drawn = picture(&[&run(true)], &[[60.0, 100.0]]).unwrap();
-        assert!(drawn.contains("3 s) before") && drawn.contains(">\nafter\n"), "{drawn}");
-        assert_eq!(drawn.matches("opacity=\"0.08\"").count(), 1, "one window");
-        assert_eq!(drawn.matches("stroke=\"#D95F1E\"").count(), 2, "legend and curve");
-        let alone = picture(&[&run(false)], &[]).unwrap();
-        assert!(!alone.contains("before") && alone.matches("opacity=\"0.08\"").count() == 0);
+        let drawn = picture(&[&run(true)], &[[60.0, 100.0]]).html();
+        assert!(drawn.contains("3 s) before") && drawn.contains(">after</button>"), "{drawn}");
+        assert_eq!(drawn.matches("class=\"window\"").count(), 1, "one window");
+        assert_eq!(drawn.matches("line bold before").count(), 1);
+        let alone = picture(&[&run(false)], &[]).html();
+        assert!(!alone.contains("before") && !alone.contains("class=\"window\""));
     }
 
     #[test]
@@ -121,6 +101,6 @@ mod tests {
 
     #[test]
     fn a_recording_without_a_run_is_an_empty_picture() {
-        assert!(picture(&[], &[[0.0, 1.0]]).unwrap().contains("<svg"));
+        assert!(picture(&[], &[[0.0, 1.0]]).html().contains("<svg"));
     }
 }

@@ -1,18 +1,14 @@
 //! Measured against simulated, before and after.
 
-use super::decimate::min_max_rows;
-use benchmark::Error;
-use benchmark::canvas::{
-    Area, Axes, BASELINE, EXTENDED, MEASURED, legend, mesh, padded, px, shade, standalone, svg, tick,
-};
-use plotters::prelude::*;
+use chart::ticks::padded;
+use chart::{Axis, Chart, Panel, Series, Shape, Tone, min_max_rows};
 use std::ops::Range;
 use sysid::diagnosis::traces::Trace;
 
 /// Points of each curve in the large picture.
-const POINTS_LARGE: usize = 2000;
+const POINTS_LARGE: usize = 3000;
 /// Points of each curve in a small one.
-const POINTS_SMALL: usize = 700;
+const POINTS_SMALL: usize = 900;
 /// A simulation that runs away is cut off at this many times the measured range.
 const CUT_OFF: f64 = 2.0;
 
@@ -29,62 +25,39 @@ pub struct View<'a> {
 struct Curve<'a> {
     name: &'static str,
     values: &'a [f64],
-    color: RGBColor,
-    width: u32,
+    tone: Tone,
 }
 
 impl View<'_> {
     /// The large picture: the signals, and below them what each model leaves over.
-    pub fn large(&self) -> Result<String, Error> {
-        self.large_of([900, 400])
-    }
-
-    fn large_of(&self, size: [u32; 2]) -> Result<String, Error> {
-        svg(size, &format!("section {}: measured and simulated", self.trace.label), |area| {
-            let (head, rest) = area.split_vertically(px(26));
-            legend(&head, self.curves().iter().map(|curve| (curve.name, curve.color)))?;
-            let share = 0.62 * f64::from(size[1] - 26);
-            let (top, bottom) = rest.split_vertically(px(share as u32));
-            let signals = self.curves();
-            let signal = if self.trace.unit == "rad" { "pitch angle, rad" } else { "pitch rate, rad/s" };
-            self.panel(&top, &signals, self.range_of(&signals), signal, None, POINTS_LARGE)?;
-            let left = self.left_over();
-            let models = signals[1..].iter().zip(&left);
-            let curves: Vec<Curve<'_>> =
-                models.map(|(c, values)| Curve { values, width: px(1), ..*c }).collect();
-            self.panel(&bottom, &curves, self.range_of(&curves), "left over", Some("time, s"), POINTS_LARGE)
-        })
+    pub fn large(&self) -> Chart {
+        let signals = self.curves();
+        let signal = if self.trace.unit == "rad" { "pitch angle, rad" } else { "pitch rate, rad/s" };
+        let left = self.left_over();
+        let models = signals[1..].iter().zip(&left);
+        let over: Vec<Curve<'_>> = models.map(|(c, values)| Curve { values, ..*c }).collect();
+        let over_title = format!("left over, {}", self.trace.unit);
+        self.chart(vec![
+            self.panel(230, &signals, signal, POINTS_LARGE),
+            self.panel(100, &over, &over_title, POINTS_LARGE),
+        ])
     }
 
     /// A small picture: the signals alone.
-    pub fn small(&self) -> Result<String, Error> {
-        svg([440, 190], &format!("section {}: measured and simulated", self.trace.label), |area| {
-            let signals = self.curves();
-            self.panel(
-                area,
-                &signals,
-                self.range_of(&signals),
-                self.trace.unit,
-                Some("time, s"),
-                POINTS_SMALL,
-            )
-        })
-    }
-
-    /// The large picture as a file of its own, for light and dark pages.
-    pub fn standalone(&self) -> Result<String, Error> {
-        Ok(standalone(&self.large_of([900, 360])?))
+    pub fn small(&self) -> Chart {
+        let signal = if self.trace.unit == "rad" { "angle, rad" } else { "rate, rad/s" };
+        self.chart(vec![self.panel(140, &self.curves(), signal, POINTS_SMALL)])
     }
 
     fn curves(&self) -> Vec<Curve<'_>> {
         let trace = self.trace;
-        let model = |name, values, color| Curve { name, values, color, width: 5 };
-        let measured = Curve { name: "measured", values: &trace.measured, color: MEASURED, width: 7 };
+        let model = |name, values, tone| Curve { name, values, tone };
+        let measured = model("measured", &trace.measured, Tone::Measured);
         if !self.changed {
-            return vec![measured, model("the model, estimated again", &trace.baseline, EXTENDED)];
+            return vec![measured, model("the model, estimated again", &trace.baseline, Tone::After)];
         }
-        let before = model("before: the model, estimated again", &trace.baseline, BASELINE);
-        vec![measured, before, model("after: with what was missing", &trace.extended, EXTENDED)]
+        let before = model("before: the model, estimated again", &trace.baseline, Tone::Before);
+        vec![measured, before, model("after: with what was missing", &trace.extended, Tone::After)]
     }
 
     /// Measured less simulated, for the models in the order of the curves.
@@ -100,35 +73,29 @@ impl View<'_> {
         padded(curves.iter().flat_map(|c| c.values).map(|v| v.clamp(-most, most)))
     }
 
-    fn panel(
-        &self,
-        area: &Area<'_>,
-        curves: &[Curve<'_>],
-        range: Range<f64>,
-        what: &str,
-        time: Option<&str>,
-        points: usize,
-    ) -> Result<(), String> {
+    fn panel(&self, height: u32, curves: &[Curve<'_>], what: &str, points: usize) -> Panel {
+        let t = &self.trace.t;
+        let series = |curve: &Curve<'_>| {
+            let rows = min_max_rows(curve.values, points);
+            let line = rows.iter().filter(|&&k| k < t.len()).map(|&k| [t[k], curve.values[k]]);
+            Series::new(curve.name, curve.tone, Shape::Lines(vec![line.collect()]))
+        };
+        Panel {
+            height,
+            y: Axis::linear(what, self.range_of(curves)),
+            series: curves.iter().map(series).collect(),
+        }
+    }
+
+    fn chart(&self, panels: Vec<Panel>) -> Chart {
         let t = &self.trace.t;
         let span = t.first().copied().unwrap_or(0.0)..t.last().copied().unwrap_or(1.0);
-        let mut chart = ChartBuilder::on(area)
-            .margin_top(px(6))
-            .margin_right(px(12))
-            .x_label_area_size(px(if time.is_some() { 32 } else { 6 }))
-            .y_label_area_size(px(56))
-            .build_cartesian_2d(span.clone(), range.clone())
-            .map_err(|e| e.to_string())?;
-        let written = |t: &f64| if time.is_some() { tick(t) } else { String::new() };
-        mesh(&mut chart, &Axes { labels: [9, 5], x: time.unwrap_or(""), y: what }, &written)?;
-        shade(&mut chart, self.windows, &span, &range)?;
-        for curve in curves {
-            let rows = min_max_rows(curve.values, points);
-            let line = rows.iter().filter(|&&k| k < t.len());
-            let line = line.map(|&k| (t[k], curve.values[k].clamp(range.start, range.end)));
-            let series = LineSeries::new(line, curve.color.stroke_width(curve.width));
-            chart.draw_series(series).map_err(|e| e.to_string())?;
+        Chart {
+            label: format!("section {}: measured and simulated", self.trace.label),
+            x: Axis::linear("time, s", span),
+            panels,
+            windows: self.windows.to_vec(),
         }
-        Ok(())
     }
 }
 
@@ -153,10 +120,10 @@ mod tests {
     fn pictures_stay_small_however_long_the_recording() {
         let trace = trace(200_000);
         let view = View { trace: &trace, changed: true, windows: &[[10.0, 20.0]] };
-        let (large, small) = (view.large().unwrap(), view.small().unwrap());
+        let (large, small) = (view.large().html(), view.small().html());
         assert!(large.len() < 200_000 && small.len() < 60_000, "{} {}", large.len(), small.len());
-        let before = |picture: &str| picture.matches("stroke=\"#D95F1E\"").count();
-        assert_eq!((before(&large), before(&small)), (3, 1), "legend, signal and what is left over; signal");
+        let before = |picture: &str| picture.matches("class=\"line before\"").count();
+        assert_eq!((before(&large), before(&small)), (2, 1), "signal and what is left over; signal");
         assert!(!large.contains("IV<x>"));
     }
 
@@ -167,14 +134,14 @@ mod tests {
         trace.baseline[51] = f64::NAN;
         let view = View { trace: &trace, changed: false, windows: &[] };
         assert!(view.range_of(&view.curves()).end < 2.5);
-        assert!(!view.large().unwrap().contains("after"));
+        assert!(!view.large().html().contains("after: "));
     }
 
     #[test]
     fn a_section_without_simulation_is_drawn_all_the_same() {
         let empty = Trace { baseline: Vec::new(), extended: Vec::new(), ..trace(50) };
         let view = View { trace: &empty, changed: true, windows: &[] };
-        assert!(view.large().unwrap().contains("<polyline"));
-        assert!(view.standalone().unwrap().contains("prefers-color-scheme"));
+        assert!(view.large().html().contains("class=\"line measured\""));
+        assert!(view.large().file(900).contains("prefers-color-scheme"));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::logs::excitation::{Span, spans};
 use crate::logs::{Flight, format_name};
-use crate::report::decimate::min_max_rows;
+use chart::min_max_rows;
 use flight_logs::axes::{Axis, Channel, Series, propose};
 use flight_logs::{Log, Topic};
 use serde::Serialize;

@@ -4,11 +4,9 @@ use super::content::{Curve, Shown};
 use crate::failure::Failure;
 use crate::logs::excitation::Span;
 use crate::report::rendered;
-use benchmark::Error;
-use benchmark::canvas::{
-    self, Axes, BASELINE, EXTENDED, MEASURED, legend, mesh, padded, px, shade, svg, tick,
-};
-use plotters::prelude::*;
+use benchmark::page::STYLE;
+use chart::ticks::padded;
+use chart::{Axis, Chart, Panel, Series, Shape, Tone, min_max_rows};
 use serde::Serialize;
 use std::ops::Range;
 
@@ -18,13 +16,16 @@ const SPARED: f64 = 0.03;
 /// The same within the spans that move.
 const SPARED_OF_MOTION: f64 = 0.005;
 const ROOM: f64 = 1.0;
+/// Points of each curve.
+const POINTS: usize = 4000;
 
 /// What the template is given.
 #[derive(Serialize)]
 struct Page<'a> {
     parts: Vec<Part<'a>>,
     style: &'static str,
-    dark_style: &'static str,
+    chart_style: &'static str,
+    script: &'static str,
     version: &'static str,
 }
 
@@ -33,7 +34,7 @@ struct Page<'a> {
 struct Part<'a> {
     is_flight: bool,
     shown: &'a Shown,
-    pictures: Vec<Vec<String>>,
+    pictures: Vec<Option<String>>,
 }
 
 /// The page.
@@ -42,83 +43,79 @@ struct Part<'a> {
 /// A picture or the page that could not be drawn.
 pub fn html(shown: &[Shown]) -> Result<String, Failure> {
     let page = Page {
-        parts: shown.iter().map(part).collect::<Result<_, Error>>()?,
-        style: canvas::STYLE,
-        dark_style: canvas::DARK_STYLE,
+        parts: shown.iter().map(part).collect(),
+        style: STYLE,
+        chart_style: chart::STYLE,
+        script: chart::SCRIPT,
         version: env!("CARGO_PKG_VERSION"),
     };
     rendered(include_str!("page.html"), page)
 }
 
-fn part(shown: &Shown) -> Result<Part<'_>, Error> {
+fn part(shown: &Shown) -> Part<'_> {
     let pictures = match shown {
-        Shown::Flight(flight) => flight
-            .axes
-            .iter()
-            .map(|axis| pictures(&axis.curves, &axis.excitation))
-            .collect::<Result<_, _>>()?,
-        Shown::Recording(recording) => vec![pictures(&recording.curves, &recording.excitation)?],
+        Shown::Flight(flight) => {
+            flight.axes.iter().map(|axis| picture(&axis.curves, &axis.excitation)).collect()
+        }
+        Shown::Recording(recording) => vec![picture(&recording.curves, &recording.excitation)],
     };
-    Ok(Part { is_flight: matches!(shown, Shown::Flight(_)), shown, pictures })
+    Part { is_flight: matches!(shown, Shown::Flight(_)), shown, pictures }
 }
 
 /// Input, rate with its set-point, angle; shaded where input and rate move.
-fn pictures(curves: &[Curve], excitation: &[Span]) -> Result<Vec<String>, Error> {
+fn picture(curves: &[Curve], excitation: &[Span]) -> Option<String> {
     let times = || curves.iter().filter_map(|c| Some([*c.series.time_s.first()?, *c.series.time_s.last()?]));
     let from = times().map(|[from, _]| from).fold(f64::INFINITY, f64::min);
     let to = times().map(|[_, to]| to).fold(f64::NEG_INFINITY, f64::max);
     if from >= to || !(to - from).is_finite() {
-        return Ok(Vec::new());
+        return None;
     }
     let windows: Vec<[f64; 2]> = excitation.iter().map(|span| span.time_s).collect();
-    let panels: [&[(&str, RGBColor)]; 3] =
-        [&[("input", EXTENDED)], &[("rate", MEASURED), ("set-point", BASELINE)], &[("angle", MEASURED)]];
+    // the last on top
+    let panels: [&[(&str, Tone)]; 3] = [
+        &[("input", Tone::After)],
+        &[("set-point", Tone::Before), ("rate", Tone::Measured)],
+        &[("angle", Tone::Third)],
+    ];
     let drawn = panels.iter().filter_map(|panel| {
-        let own: Vec<(&Curve, RGBColor)> = panel
+        let own: Vec<(&Curve, Tone)> = panel
             .iter()
-            .filter_map(|(role, color)| Some((curves.iter().find(|curve| curve.role == *role)?, *color)))
+            .filter_map(|(role, tone)| Some((curves.iter().find(|curve| curve.role == *role)?, *tone)))
             .collect();
-        (!own.is_empty()).then(|| picture(&own, from..to, &windows))
+        (!own.is_empty()).then(|| panel_of(&own, &windows))
     });
-    drawn.collect()
+    let panels: Vec<Panel> = drawn.collect();
+    let label = "input, rate and angle over time".to_owned();
+    (!panels.is_empty())
+        .then(|| Chart { label, x: Axis::linear("time, s", from..to), panels, windows }.html())
 }
 
-fn picture(curves: &[(&Curve, RGBColor)], span: Range<f64>, windows: &[[f64; 2]]) -> Result<String, Error> {
+fn panel_of(curves: &[(&Curve, Tone)], windows: &[[f64; 2]]) -> Panel {
     let range = shown_range(curves, windows);
     let is_cut =
         |curve: &Curve| curve.series.values.iter().any(|value| !(range.start..=range.end).contains(value));
     let name = |curve: &Curve| {
         if is_cut(curve) { format!("{} (cut off at the edges)", curve.role) } else { curve.role.to_owned() }
     };
-    let names: Vec<(String, RGBColor)> = curves.iter().map(|(curve, color)| (name(curve), *color)).collect();
-    let (first, _) = curves[0];
-    let unit = if first.unit.is_empty() { "1" } else { first.unit };
-    svg([900, 170], &format!("{} over time", first.role), |area| {
-        let (head, body) = area.split_vertically(px(26));
-        legend(&head, names.iter().map(|(name, color)| (name.as_str(), *color)))?;
-        let mut chart = ChartBuilder::on(&body)
-            .margin_top(px(4))
-            .margin_right(px(12))
-            .x_label_area_size(px(32))
-            .y_label_area_size(px(56))
-            .build_cartesian_2d(span.clone(), range.clone())
-            .map_err(|e| e.to_string())?;
-        let y = format!("{}, {unit}", first.role);
-        mesh(&mut chart, &Axes { labels: [9, 4], x: "time, s", y: &y }, &tick)?;
-        shade(&mut chart, windows, &span, &range)?;
-        // the first on top
-        for (Curve { series, .. }, color) in curves.iter().rev() {
-            let values = series.values.iter().map(|value| value.clamp(range.start, range.end));
-            let line = series.time_s.iter().copied().zip(values);
-            chart.draw_series(LineSeries::new(line, color.stroke_width(px(1)))).map_err(|e| e.to_string())?;
-        }
-        Ok(())
-    })
+    let drawn = |(curve, tone): &(&Curve, Tone)| {
+        let series = &curve.series;
+        let rows = min_max_rows(&series.values, POINTS);
+        let line = rows.iter().filter(|&&k| k < series.time_s.len());
+        let line = line.map(|&k| [series.time_s[k], series.values[k]]).collect();
+        Series::new(name(curve), *tone, Shape::Lines(vec![line]))
+    };
+    let (first, _) = curves[curves.len() - 1];
+    let unit = if first.unit.is_empty() { "no unit" } else { first.unit };
+    Panel {
+        height: 110,
+        y: Axis::linear(format!("{}, {unit}", first.role), range.clone()),
+        series: curves.iter().map(drawn).collect(),
+    }
 }
 
 /// Where nearly all values lie, those in `windows` and the others: a crash at the end of a flight must not hide the flight, nor
 /// a long hover the test.
-fn shown_range(curves: &[(&Curve, RGBColor)], windows: &[[f64; 2]]) -> Range<f64> {
+fn shown_range(curves: &[(&Curve, Tone)], windows: &[[f64; 2]]) -> Range<f64> {
     let values = |wanted: &dyn Fn(f64) -> bool| -> Vec<f64> {
         let rows = curves.iter().flat_map(|(curve, _)| curve.series.time_s.iter().zip(&curve.series.values));
         rows.filter(|(t, _)| wanted(**t)).map(|(_, value)| *value).collect()
@@ -162,8 +159,8 @@ mod tests {
         }
         let recording = parse("a & b.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
         let page = html(&[Shown::Recording(of_recording(&recording, None))]).unwrap();
-        assert_eq!(page.matches("<svg").count(), 2, "input and rate");
-        assert_eq!(page.matches("opacity=\"0.08\"").count(), 2, "one span in each");
+        assert_eq!(page.matches("class=\"plot\"").count(), 2, "input and rate");
+        assert_eq!(page.matches("class=\"window\"").count(), 2, "one span in each");
         assert!(page.contains("a &amp; b.csv") && !page.contains("http:"), "nothing is fetched");
     }
 }

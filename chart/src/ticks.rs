@@ -1,0 +1,82 @@
+//! Ranges of axes and what stands at their ticks.
+
+use std::ops::Range;
+
+/// The range of some values with a margin of 6 % on either side; around 0 where there is nothing to see.
+pub fn padded(values: impl IntoIterator<Item = f64>) -> Range<f64> {
+    let (low, high) = values
+        .into_iter()
+        .filter(|v| v.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    if low > high {
+        return -1.0..1.0;
+    }
+    let margin = (0.06 * (high - low)).max(1e-9 * (1.0 + high.abs()));
+    low - margin..high + margin
+}
+
+/// Round values inside `range`, about `count` of them: multiples of 1, 2 or 5 times a power of ten.
+pub fn linear(range: &Range<f64>, count: usize) -> Vec<f64> {
+    let least = (range.end - range.start) / count as f64;
+    let power = 10_f64.powf(least.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|step| *step >= least);
+    let Some(step) = step else { return Vec::new() };
+    let [first, last] = [(range.start / step).ceil(), (range.end / step).floor()];
+    (0..=(last - first).max(-1.0) as usize)
+        .map(|k| (first + k as f64) * step)
+        .filter(|v| *v <= range.end)
+        .collect()
+}
+
+/// Logarithms of 1, 2 and 5 times the powers of ten inside `range`, which is of logarithms to the base 10; the powers alone
+/// where these would be more than `count`.
+pub fn logarithmic(range: &Range<f64>, count: usize) -> Vec<f64> {
+    let decades = range.start.floor() as i32..=range.end.ceil() as i32;
+    let at = |factors: &'static [f64]| -> Vec<f64> {
+        let all = decades.clone().flat_map(|d| factors.iter().map(move |f| f64::from(d) + f.log10()));
+        all.filter(|v| range.contains(v)).collect()
+    };
+    let all = at(&[1.0, 2.0, 5.0]);
+    if all.len() <= count { all } else { at(&[1.0]) }
+}
+
+/// A tick as people write it: true minus sign, no needless zeros.
+pub fn written(value: f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    let shown = if (rounded == 0.0 && value.abs() > 1e-12) || value.abs() >= 1e7 {
+        format!("{value:.1e}")
+    } else {
+        format!("{}", rounded + 0.0)
+    };
+    shown.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_plain() {
+        assert_eq!(written(-0.5), "−0.5");
+        assert_eq!(written(0.1 + 0.2), "0.3");
+        assert_eq!(written(-0.0), "0");
+        assert_eq!(written(2.5e-8), "2.5e−8");
+    }
+
+    #[test]
+    fn ranges_never_collapse() {
+        let range = padded([2.0, 2.0]);
+        assert!(range.start < 2.0 && range.end > 2.0);
+        assert_eq!(padded([f64::NAN]), -1.0..1.0);
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(linear(&(0.0..10.0), 5), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+        let found: Vec<String> = linear(&(-0.13..0.11), 5).into_iter().map(written).collect();
+        assert_eq!(found, ["−0.1", "−0.05", "0", "0.05", "0.1"]);
+        assert_eq!(logarithmic(&(0.0..1.5), 9).len(), 5, "1, 2, 5, 10, 20");
+        assert_eq!(logarithmic(&(-3.5..3.5), 9).len(), 7);
+        assert!(linear(&(1.0..1.0), 5).len() < 2);
+    }
+}
