@@ -141,6 +141,9 @@ mod tests {
             sysid::recording::parse("r.csv", text.as_bytes(), &sysid::recording::ReadOptions::default())
                 .unwrap();
         let trace = |label: &str, rows: std::ops::Range<usize>| Trace {
+            recording: 0,
+            input: Vec::new(),
+            angle: None,
             label: label.into(),
             t: Vec::new(),
             measured: residual[rows.clone()].to_vec(),

@@ -71,7 +71,7 @@ pub fn svg(outcomes: &[Outcome]) -> String {
     let (width, height) =
         (NAMES + CELL * matrix.columns.len() + MARGIN, NAMES + CELL * matrix.rows.len() + 8);
     let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100%\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
          aria-label=\"What was concealed (rows) against what was answered (columns)\" font-size=\"11\">"
     );
     // writing to a string cannot fail

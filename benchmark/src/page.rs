@@ -1,58 +1,56 @@
 //! The report of a proof: one HTML file that needs nothing else.
 
-use crate::Error;
 use crate::confusion;
+use crate::html::Document;
 use crate::judge::Outcome;
 use crate::tally::Table;
 use host_sim::Air;
-use minijinja::value::Serde;
-use minijinja::{AutoEscape, Environment};
-use serde::Serialize;
+use maud::{Markup, PreEscaped, html};
 
-/// What all pages look like.
-pub const STYLE: &str = include_str!("page.css");
-
-/// What the template is given.
-#[derive(Serialize)]
-struct Page<'a> {
-    lead: String,
-    confusion: String,
-    tables: &'a [Table],
-    cases: Vec<Case<'a>>,
-    command: String,
-    version: &'static str,
-    style: &'static str,
-}
-
-/// One line of the list of cases.
-#[derive(Serialize)]
-struct Case<'a> {
-    number: u64,
-    concealed: String,
-    size: &'a str,
-    level: &'a str,
-    answer: String,
-    tone: &'static str,
-}
+const STYLE: &str = include_str!("proof.css");
 
 /// Renders the report.
-pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64, air: Air) -> Result<String, Error> {
-    let failed = |error: minijinja::Error| {
-        Error::new(format!("the report could not be made: {error}"), "results.json holds everything")
+pub fn html(outcomes: &[Outcome], tables: &[Table], seed: u64, air: Air) -> String {
+    let body = html! {
+        header {
+            p .verdict { "Proof" }
+            h1 { "What was concealed, and what was found" }
+            p { (lead(outcomes)) }
+        }
+        h2 { "Concealed against answered" }
+        figure {
+            (PreEscaped(confusion::svg(outcomes)))
+            figcaption {
+                "Rows: what was concealed. Columns: what the diagnosis answered. Blue: right, or for what is outside the catalogue \
+                 “unlisted”, or named with a remainder. Orange: anything else. The stronger the colour, the larger the share of the \
+                 row. Pairs are in their table."
+            }
+        }
+        @for table in tables { (table_of(table)) }
+        details {
+            summary { "Every case" }
+            div .table { table .list {
+                thead { tr { th { "case" } th { "concealed" } th { "size" } th { "background" } th { "answered" } } }
+                tbody { @for outcome in outcomes { (case(outcome)) } }
+            } }
+        }
+        footer {
+            "To repeat it: " code { (command(outcomes.len(), seed, air)) } ". Same seed, same bytes. pitchid "
+            (env!("CARGO_PKG_VERSION")) "."
+        }
     };
-    let mut environment = Environment::new();
-    environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    environment.add_template("proof", include_str!("proof.html")).map_err(failed)?;
-    let page = Page {
-        lead: lead(outcomes),
-        confusion: confusion::svg(outcomes),
-        tables,
-        cases: outcomes.iter().map(case).collect(),
-        command: command(outcomes.len(), seed, air),
-        version: env!("CARGO_PKG_VERSION"),
-        style: STYLE,
-    };
-    environment.get_template("proof").and_then(|t| t.render(Serde(page))).map_err(failed)
+    Document { title: "pitchid: proof", style: STYLE, body, json: None }.html(false)
+}
+
+fn table_of(table: &Table) -> Markup {
+    html! {
+        h2 { (table.title) }
+        @if !table.note.is_empty() { p .soft.small { (table.note) } }
+        div .table { table {
+            thead { tr { @for cell in &table.header { th { (cell) } } } }
+            tbody { @for row in &table.rows { tr { @for cell in row { td { (cell) } } } } }
+        } }
+    }
 }
 
 /// How to do it again.
@@ -70,7 +68,7 @@ pub fn lead(outcomes: &[Outcome]) -> String {
     )
 }
 
-fn case(outcome: &Outcome) -> Case<'_> {
+fn case(outcome: &Outcome) -> Markup {
     let concealed = if outcome.ids.is_empty() { "nothing".to_owned() } else { outcome.ids.join(" + ") };
     let names = outcome.listed.join(", ");
     let remainder = if outcome.unlisted && outcome.verdict == "named" { ", and a remainder" } else { "" };
@@ -79,13 +77,14 @@ fn case(outcome: &Outcome) -> Case<'_> {
     } else {
         format!("{}: {names}{remainder}", outcome.verdict)
     };
-    Case {
-        number: outcome.case,
-        concealed,
-        size: &outcome.size,
-        level: &outcome.level,
-        answer,
-        tone: tone(outcome),
+    html! {
+        tr {
+            td { (outcome.case) }
+            td { (concealed) }
+            td { (outcome.size) }
+            td { (outcome.level) }
+            td class=(tone(outcome)) { (answer) }
+        }
     }
 }
 
@@ -118,7 +117,7 @@ mod tests {
         let lag = truth("effect", &["servo_lag"], "lab");
         let outcomes = [judge(&lag, Some(&said("ambiguous", &["gyro_lag"], &["servo_lag"])), &beside(&[]))];
         let tables = tables(&outcomes);
-        let page = html(&outcomes, &tables, 1, Air::default()).unwrap();
+        let page = html(&outcomes, &tables, 1, Air::default());
         assert!(page.contains("ambiguous: gyro_lag, servo_lag") && page.contains("class=\"open\""), "{page}");
         assert!(tables.iter().all(|table| page.contains(table.title)));
         assert!(page.contains("pitchid prove --cases 1 --seed 1"));

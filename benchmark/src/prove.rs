@@ -65,7 +65,7 @@ impl Proof {
         let markdown: String = tables.iter().map(Table::markdown).collect();
         let (command, lead) = (page::command(outcomes.len(), self.seed, self.air), page::lead(&outcomes));
         files::write(&self.folder.file("table.md"), &format!("{lead} `{command}`\n\n{markdown}"))?;
-        files::write(&self.report(), &page::html(&outcomes, &tables, self.seed, self.air)?)?;
+        files::write(&self.report(), &page::html(&outcomes, &tables, self.seed, self.air))?;
         Ok(tables)
     }
 

@@ -84,7 +84,7 @@ impl Folder {
     /// Writes the truth of a case and, last of all, its seal.
     pub fn seal(&self, case: u64, truth: &str) -> Result<(), Error> {
         write(&self.of(case, TRUTH), truth)?;
-        write(&self.of(case, SEAL), &(hash(truth.as_bytes()) + "\n"))
+        write(&self.of(case, SEAL), &(sha256_hex(truth.as_bytes()) + "\n"))
     }
 
     /// The seal of a case: a line of `sha256sum`.
@@ -97,7 +97,7 @@ impl Folder {
     pub fn open_truth<T: DeserializeOwned>(&self, case: u64) -> Result<T, Error> {
         let path = self.of(case, TRUTH);
         let text = read(&path)?;
-        if hash(text.as_bytes()) != read(&self.of(case, SEAL))?.trim() {
+        if sha256_hex(text.as_bytes()) != read(&self.of(case, SEAL))?.trim() {
             let message = format!("{}: is not the file that was sealed", path.display());
             return Err(Error::new(message, "remove the case's folder and prove again with --resume"));
         }
@@ -106,7 +106,7 @@ impl Folder {
 }
 
 /// SHA-256 in hexadecimal.
-fn hash(bytes: &[u8]) -> String {
+pub fn sha256_hex(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
@@ -118,7 +118,7 @@ mod tests {
     fn the_hash_is_that_of_the_standard() {
         // FIPS 180-4, the message "abc"
         let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
-        assert_eq!(hash(b"abc"), expected);
+        assert_eq!(sha256_hex(b"abc"), expected);
     }
 
     #[test]

@@ -67,6 +67,8 @@ pub enum Shape {
     Dots(Vec<[f64; 3]>),
     /// What lies between two curves: x, low, high.
     Band(Vec<[f64; 3]>),
+    /// Shaded rectangles: x from and to, y from and to, how dark from 0 to 1.
+    Cells(Vec<[f64; 5]>),
 }
 
 /// A curve, a cloud, a band.

@@ -9,6 +9,9 @@ pub const WIDE: f64 = 20_000.0;
 /// Height of a plane in its own numbers.
 pub const HIGH: f64 = 10_000.0;
 
+/// Shades of a map.
+const SHADES: u32 = 8;
+
 impl Tone {
     /// Its class in the style sheet.
     pub const fn class(self) -> &'static str {
@@ -85,6 +88,28 @@ impl Plane<'_> {
                 let low = rows.iter().map(|[x, low, _]| [*x, *low]);
                 let high = rows.iter().rev().map(|[x, _, high]| [*x, *high]);
                 path("band", self.lines(&[low.chain(high).collect()]) + "z");
+            }
+            Shape::Cells(cells) => self.cells(series, cells, text),
+        }
+    }
+
+    /// One path for each shade.
+    fn cells(&self, series: &Series, cells: &[[f64; 5]], text: &mut String) {
+        for shade in 1..=SHADES {
+            let of_shade =
+                |cell: &&[f64; 5]| (cell[4].clamp(0.0, 1.0) * f64::from(SHADES)).ceil() == f64::from(shade);
+            let rectangle = |&[from, to, low, high, _]: &[f64; 5]| {
+                let ([left, bottom], [right, top]) = (self.at([from, low]), self.at([to, high]));
+                format!("M{left} {bottom}H{right}V{top}H{left}z")
+            };
+            let d: String = cells.iter().filter(of_shade).map(rectangle).collect();
+            if !d.is_empty() {
+                let (tone, name) = (series.tone.class(), escaped(&series.name));
+                let opacity = f64::from(shade) / f64::from(SHADES);
+                let _ = write!(
+                    text,
+                    "<path class=\"cell {tone}\" data-name=\"{name}\" fill-opacity=\"{opacity}\" d=\"{d}\"/>"
+                );
             }
         }
     }

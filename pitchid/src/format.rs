@@ -56,6 +56,16 @@ pub fn percent(x: f64) -> String {
     unsigned_zero(format!("{x:.1}"))
 }
 
+/// With its sign, one decimal.
+pub fn signed(x: f64) -> String {
+    format!("{x:+.1}").replace('-', "−")
+}
+
+/// Three significant digits with the unit.
+pub fn in_unit(x: f64, symbol: &str) -> String {
+    format!("{} {}", plain(x), unit(symbol)).trim_end().to_owned()
+}
+
 /// The unit as it follows a number: nothing for a pure number.
 pub fn unit(unit: &str) -> &str {
     if unit == "1" { "" } else { unit }

@@ -1,7 +1,9 @@
 //! `cargo xtask image | chip-test | flash`: the flight image, built, tested in the emulator, put on a board.
 //! `cargo xtask book | book-check`: the book's pages of the effects, and the book built and held to what it says.
+//! `cargo xtask browser`: the pages of the program in a real browser.
 
 mod book;
+mod browser;
 mod budget;
 mod chip_test;
 mod image;
@@ -17,7 +19,8 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   chip-test   build the images and run everything that needs the emulated chip
   flash       build the flight image and put it on a board (probe-rs)
   book        write the book's pages of the effects: simulates and diagnoses each
-  book-check  build the book (mdbook), follow its links, run its commands";
+  book-check  build the book (mdbook), follow its links, run its commands
+  browser     look at the pages of the program in Chromium";
 
 fn main() -> ExitCode {
     let command = std::env::args().nth(1);
@@ -28,6 +31,7 @@ fn main() -> ExitCode {
         Some("flash") => flash(),
         Some("book") => book::pages(),
         Some("book-check") => book::check(),
+        Some("browser") => browser::check(),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

@@ -2,7 +2,9 @@
 
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::report::Report;
 use crate::report::content::Content;
+use crate::report::repeat::Repeat;
 use crate::report::traces::View;
 use crate::{output, report, text};
 use benchmark::nominal;
@@ -93,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let named = Some((files.named("model.toml").display().to_string(), model));
     let named = named.as_ref().map(|(name, model)| (name.as_str(), model));
     let content = Content::new(&found.answer, &found.traces, vec![path.display().to_string()], named);
-    write_answers(&files, &found, &content)?;
+    write_answers(&files, &found, &content, &recording)?;
     output::print(&told(arguments, &recording[0], &identified, &content))?;
     output::print(&reveal::reveal(&files.named("truth.json"), &found.answer)?)?;
     output::print(&format!("\nReport: {}\n", files.named("report.html").display()))
@@ -110,13 +112,24 @@ fn conceal_and_fly(seed: u64, files: &Files<'_>) -> Result<(), Failure> {
     files.write("truth.json", &flight.truth_json()?)
 }
 
-fn write_answers(files: &Files<'_>, found: &Diagnosis, content: &Content) -> Result<(), Failure> {
+fn write_answers(
+    files: &Files<'_>,
+    found: &Diagnosis,
+    content: &Content,
+    recordings: &[Recording],
+) -> Result<(), Failure> {
     files.write("diagnosis.json", &output::json(&found.answer)?)?;
     files.write("extended.toml", &found.model.to_toml()?)?;
-    files
-        .write("report.html", &report::html(content, &found.traces, &found.over_time, &found.components)?)?;
+    let inputs = ["recording.csv", "model.toml"].map(|name| files.named(name));
+    let repeat = Repeat::of_this_run(&inputs.each_ref().map(PathBuf::as_path));
+    files.write("report.html", &Report { content, found, recordings, repeat }.html())?;
     let Some(trace) = report::headline_trace(&found.traces) else { return Ok(()) };
-    let view = View { trace, changed: report::is_changed(&found.answer), windows: &[] };
+    let view = View {
+        trace,
+        recording: recordings.get(trace.recording),
+        changed: report::is_changed(&found.answer),
+        windows: &[],
+    };
     files.write("demo.svg", &view.large().file(900))
 }
 

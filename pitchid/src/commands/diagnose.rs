@@ -3,13 +3,15 @@
 use super::reading::{ByAxis, Reading};
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::report::Report;
 use crate::report::content::Content;
-use crate::{output, report, text};
+use crate::report::repeat::Repeat;
+use crate::{output, text};
 use clap::Args;
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
 use sysid::diagnosis::axes::{AxisRecordings, diagnose_axes};
-use sysid::diagnosis::{Diagnosis, diagnose};
+use sysid::diagnosis::diagnose;
 use sysid::model::file::to_toml;
 use sysid::recording::Recording;
 
@@ -88,7 +90,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !quiet {
         output::print(&text::diagnosis(&content))?;
     }
-    let written = write(arguments, &found, &content)?;
+    let repeat = Repeat::of_this_run(&arguments.reading.inputs());
+    let report = Report { content: &content, found: &found, recordings: &recordings, repeat };
+    let written = write(arguments, &report)?;
     if quiet { Ok(()) } else { output::print(&written) }
 }
 
@@ -133,7 +137,8 @@ fn all_axes(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Writes what was asked for and says so.
-fn write(arguments: &Arguments, found: &Diagnosis, content: &Content) -> Result<String, Failure> {
+fn write(arguments: &Arguments, report: &Report<'_>) -> Result<String, Failure> {
+    let found = report.found;
     let mut said = String::new();
     let mut put = |what: &str, path: &Path, text: &str| -> Result<(), Failure> {
         if said.is_empty() {
@@ -146,11 +151,10 @@ fn write(arguments: &Arguments, found: &Diagnosis, content: &Content) -> Result<
         put("extended model", path, &found.model.to_toml()?)?;
     }
     if let Some(path) = &arguments.report {
-        put("report", path, &report::html(content, &found.traces, &found.over_time, &found.components)?)?;
+        put("report", path, &report.html())?;
     }
     if let Some(folder) = &arguments.pictures {
-        let pictures = report::pictures(content, &found.traces, &found.over_time, &found.components);
-        for (name, svg) in pictures {
+        for (name, svg) in report.pictures() {
             put("picture", &folder.join(name), &svg)?;
         }
     }

@@ -4,6 +4,8 @@ use super::reading::Reading;
 use crate::board::taps::TapsFile;
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::report::identified;
+use crate::report::repeat::Repeat;
 use crate::{output, text};
 use clap::Args;
 use std::path::PathBuf;
@@ -30,6 +32,10 @@ pub struct Arguments {
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
 
+    /// Write a report: one HTML file with pictures that needs nothing else
+    #[arg(long, value_name = "OUT.html")]
+    report: Option<PathBuf>,
+
     /// Write the identified grey box as a model file
     #[arg(long, value_name = "OUT.toml")]
     out_model: Option<PathBuf>,
@@ -45,13 +51,14 @@ Examples:
   pitchid identify flight.bin --axis roll
   pitchid identify flight.csv --taps taps.json
   pitchid identify test1.csv test2.csv --out-model fitted.toml --json fitted.json
+  pitchid identify flight.csv --report flight.html
   pitchid identify flight.csv --monitor-out craft.toml
 
 Exit status: 0 identified; 2 the input could not be used.";
 
 /// Identifies.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let outputs = [&arguments.json, &arguments.out_model, &arguments.monitor_out];
+    let outputs = [&arguments.json, &arguments.report, &arguments.out_model, &arguments.monitor_out];
     let mut inputs = arguments.reading.inputs();
     inputs.extend(arguments.taps.as_deref());
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
@@ -65,6 +72,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     drop(progress);
     if !outputs.into_iter().any(|path| output::is_stdout(path.as_deref())) {
         output::print(&text::identification(&found))?;
+    }
+    if let Some(path) = &arguments.report {
+        let repeat = Repeat::of_this_run(&inputs);
+        output::write(path, &identified::page(&found, &recordings, &repeat))?;
     }
     if let Some(path) = &arguments.out_model {
         output::write(path, &found.model.to_toml()?)?;

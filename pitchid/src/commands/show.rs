@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     match &arguments.report {
         Some(path) => {
-            output::write(path, &page::html(&shown)?)?;
+            output::write(path, &page::page(&shown))?;
             if on_stdout || arguments.json {
                 Ok(())
             } else {

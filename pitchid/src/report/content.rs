@@ -64,6 +64,8 @@ pub struct FitRow {
     pub baseline: String,
     /// Free run, after.
     pub extended: String,
+    /// By horizon: the seconds ahead, before, after.
+    pub horizons: Vec<[String; 3]>,
     /// Predictions 1 s ahead, before.
     pub near_baseline: String,
     /// Predictions 1 s ahead, after.
@@ -253,6 +255,15 @@ fn fit_rows(answer: &Answer, traces: &[Trace]) -> Vec<FitRow> {
         Some(FitRow {
             baseline: format::percent(found.baseline.free_run),
             extended: format::percent(found.extended.free_run),
+            horizons: found
+                .baseline
+                .horizons
+                .iter()
+                .map(|(seconds, before)| {
+                    let after = found.extended.horizons.get(seconds);
+                    [(*seconds).to_owned(), ahead(Some(before)), ahead(after)]
+                })
+                .collect(),
             near_baseline: ahead(found.baseline.horizons.get("1.0")),
             near_extended: ahead(found.extended.horizons.get("1.0")),
             ceiling: ceiling.map_or("-".into(), |v| format::percent(*v)),

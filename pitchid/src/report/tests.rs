@@ -1,7 +1,17 @@
+use super::figures::{marked_windows, moments};
 use super::fixture::{HOSTILE, model};
 use super::*;
-use sysid::diagnosis::answer::{FitAnswer, Verdict};
-use sysid::diagnosis::component::Branch;
+use sysid::diagnosis::answer::{Answer, FitAnswer, Verdict};
+use sysid::diagnosis::component::{Branch, Component};
+use sysid::diagnosis::left_over::{LeftOver, OneStep};
+use sysid::diagnosis::map::Cell;
+use sysid::diagnosis::over_time::{OverTime, ResidualMoment};
+use sysid::diagnosis::spectra::Spectra;
+use sysid::diagnosis::step_response::StepResponses;
+use sysid::diagnosis::traces::Trace;
+use sysid::model::file::ModelFile;
+use sysid::validate::cross_correlation::cross_correlation;
+use sysid::validate::whiteness::whiteness;
 
 fn answer() -> Answer {
     fixture::answer(Verdict::Ambiguous, &[("coulomb_friction", 0.1)], &["servo_deadband"])
@@ -12,7 +22,10 @@ fn traces() -> Vec<Trace> {
     let wave: Vec<f64> = t.iter().map(|t| t.sin()).collect();
     let trace = |label: &str| Trace {
         label: label.into(),
+        recording: 0,
         t: t.clone(),
+        input: wave.clone(),
+        angle: None,
         measured: wave.clone(),
         baseline: wave.clone(),
         extended: wave.clone(),
@@ -43,20 +56,71 @@ fn component() -> Component {
     }
 }
 
+fn left_over() -> LeftOver {
+    let wave: Vec<f64> = (0..400).map(|k| (0.3 * f64::from(k)).sin()).collect();
+    let one = OneStep { own: whiteness(&wave, 20), with_input: cross_correlation(&wave, &wave, 20) };
+    LeftOver { before: one.clone(), after: Some(one), step: 0.02 }
+}
+
+fn found(answer: &Answer, traces: &[Trace]) -> Diagnosis {
+    let judged = !answer.effects.is_empty();
+    let response = || (0..50).map(|k| [0.02 * f64::from(k), 0.1 * f64::from(k), 0.01]).collect();
+    let cell =
+        |k: f64| Cell { recording: 0, time_s: [k, k + 1.0], band_rad_s: [1.0, 9.0], power: 9.0, chance: 3.0 };
+    let map: Vec<Cell> = (0..9).map(|k| cell(f64::from(k))).collect();
+    let power: Vec<[f64; 2]> = (1..40).map(|k| [f64::from(k), 1.0 / f64::from(k)]).collect();
+    Diagnosis {
+        answer: answer.clone(),
+        traces: traces.to_vec(),
+        over_time: over_time(),
+        components: answer.effects.iter().map(|_| component()).collect(),
+        left_over: judged.then(left_over),
+        spectra: if judged {
+            Spectra {
+                measured: power.clone(),
+                before: power.clone(),
+                after: power.clone(),
+                background: power,
+                maps: [map.clone(), map],
+            }
+        } else {
+            Spectra::default()
+        },
+        steps: judged.then(|| StepResponses { size: 0.1, before: response(), after: Some(response()) }),
+        candidates: Vec::new(),
+        model: ModelFile::unknown(),
+    }
+}
+
+/// The page and the pictures of a diagnosis.
+fn drawn(found: &Diagnosis) -> (String, Vec<(String, String)>) {
+    let content = Content::new(&found.answer, &found.traces, vec![HOSTILE.into()], None);
+    let repeat = Repeat { command: HOSTILE.into(), inputs: vec![(HOSTILE.into(), None)] };
+    let report = Report { content: &content, found, recordings: &[], repeat };
+    (report.html(), report.pictures())
+}
+
 fn page(answer: &Answer, traces: &[Trace]) -> String {
-    let components: Vec<Component> = answer.effects.iter().map(|_| component()).collect();
-    let content = Content::new(answer, traces, vec![HOSTILE.into()], None);
-    html(&content, traces, &over_time(), &components).unwrap()
+    drawn(&found(answer, traces)).0
 }
 
 #[test]
 fn every_picture_is_a_file_of_its_own_name() {
-    let (answer, traces) = (answer(), traces());
-    let content = Content::new(&answer, &traces, vec![HOSTILE.into()], None);
-    let drawn = pictures(&content, &traces, &over_time(), &[component(), component()]);
+    let mut found = found(&answer(), &traces());
+    found.components.push(component());
+    let (_, drawn) = drawn(&found);
     let names: Vec<&str> = drawn.iter().map(|(name, _)| name.as_str()).collect();
-    for name in ["section-1.svg", "section-2.svg", "term-coulomb_friction.svg", "term-coulomb_friction-2.svg"]
-    {
+    for name in [
+        "section-1.svg",
+        "section-2.svg",
+        "term-coulomb_friction.svg",
+        "term-coulomb_friction-2.svg",
+        "map-1.svg",
+        "step.svg",
+        "response.svg",
+        "spectra.svg",
+        "correlations.svg",
+    ] {
         assert_eq!(names.iter().filter(|n| **n == name).count(), 1, "{names:?}");
     }
     assert!(drawn.iter().all(|(_, svg)| svg.starts_with("<svg xmlns=") && svg.contains("<style>")));
@@ -108,12 +172,12 @@ fn every_part_of_the_answer_is_shown() {
     assert!(!page.contains("<dt>feedback</dt>"), "what a question has told is not told twice");
     assert!(page.contains("<dd>input hold</dd>"));
     assert!(page.contains("<dd>rate sign</dd>"));
-    assert!(page.contains("pitch damping") && page.contains("0.100") && page.contains("0.05 to 0.1 s"));
-    assert_eq!(
-        page.matches("class=\"chart\"").count(),
-        5,
-        "two sections, a term, a dependence, a moment over time"
+    assert!(
+        page.contains("pitch damping")
+            && page.contains("0.100")
+            && page.contains("<strong>0.05 to 0.1 s</strong>")
     );
+    assert_eq!(page.matches("class=\"chart\"").count(), 10, "each picture once");
 }
 
 #[test]
@@ -174,8 +238,8 @@ fn parameters_of_one_name_belong_to_their_own_effects() {
 fn columns_after_are_there_only_where_something_was_added() {
     let mut answer = fixture::answer(Verdict::Unlisted, &[("unlisted", 0.1)], &[]);
     let with = page(&answer, &traces());
-    assert!(with.contains("What was added") && with.contains("after, %"));
+    assert!(with.contains("What was added") && with.contains("after, 95 %"));
     answer.effects.clear();
     let without = page(&answer, &traces());
-    assert!(!without.contains("What was added") && !without.contains("after, %"));
+    assert!(!without.contains("What was added") && !without.contains("after, 95 %"));
 }

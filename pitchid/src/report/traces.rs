@@ -4,6 +4,7 @@ use chart::ticks::padded;
 use chart::{Axis, Chart, Panel, Series, Shape, Tone, min_max_rows};
 use std::ops::Range;
 use sysid::diagnosis::traces::Trace;
+use sysid::recording::Recording;
 
 /// Points of each curve in the large picture.
 const POINTS_LARGE: usize = 3000;
@@ -16,6 +17,8 @@ const CUT_OFF: f64 = 2.0;
 pub struct View<'a> {
     /// The section.
     pub trace: &'a Trace,
+    /// The recording that it is of, for its set-point and the unit of its input.
+    pub recording: Option<&'a Recording>,
     /// Whether the model after differs from the one before.
     pub changed: bool,
     /// Time windows to be marked, s.
@@ -29,7 +32,7 @@ struct Curve<'a> {
 }
 
 impl View<'_> {
-    /// The large picture: the signals, and below them what each model leaves over.
+    /// The large picture: the signals, below them what each model leaves over, and what was commanded beside them.
     pub fn large(&self) -> Chart {
         let signals = self.curves();
         let signal = if self.trace.unit == "rad" { "pitch angle, rad" } else { "pitch rate, rad/s" };
@@ -37,10 +40,57 @@ impl View<'_> {
         let models = signals[1..].iter().zip(&left);
         let over: Vec<Curve<'_>> = models.map(|(c, values)| Curve { values, ..*c }).collect();
         let over_title = format!("left over, {}", self.trace.unit);
-        self.chart(vec![
+        let mut panels = vec![
             self.panel(230, &signals, signal, POINTS_LARGE),
             self.panel(100, &over, &over_title, POINTS_LARGE),
-        ])
+        ];
+        panels.extend(self.angle());
+        if !self.trace.input.is_empty() {
+            let unit = self.recording.map_or("its unit", |recording| recording.u_unit.symbol());
+            let input = Curve { name: "input", values: &self.trace.input, tone: Tone::Fourth };
+            let range = padded(self.trace.input.iter().copied());
+            panels.push(self.panel_of(90, &[input], &format!("input, {unit}"), POINTS_LARGE, range));
+        }
+        self.chart(panels)
+    }
+
+    /// The angle beside the rate, with its set-point where there is one.
+    fn angle(&self) -> Option<Panel> {
+        let angle = self.trace.angle.as_ref()?;
+        let [measured, before, after] = match self.curves().as_slice() {
+            [measured, after] => [measured.name, "", after.name],
+            [measured, before, after] => [measured.name, before.name, after.name],
+            _ => return None,
+        };
+        let last = if self.changed { &angle.extended } else { &angle.baseline };
+        let mut curves = vec![Curve { name: measured, values: &angle.measured, tone: Tone::Measured }];
+        if self.changed {
+            curves.push(Curve { name: before, values: &angle.baseline, tone: Tone::Before });
+        }
+        curves.push(Curve { name: after, values: last, tone: Tone::After });
+        let most = CUT_OFF * angle.measured.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let mut all: Vec<f64> = curves.iter().flat_map(|c| c.values).map(|v| v.clamp(-most, most)).collect();
+        let set_point = self.set_point();
+        all.extend(set_point.iter().map(|[_, v]| *v));
+        let mut panel = self.panel_of(110, &curves, "pitch angle, rad", POINTS_LARGE, padded(all));
+        if !set_point.is_empty() {
+            panel.series.insert(0, Series::new("set-point", Tone::Third, Shape::Lines(vec![set_point])));
+        }
+        Some(panel)
+    }
+
+    /// The set-point within the section, where it moves.
+    fn set_point(&self) -> Vec<[f64; 2]> {
+        let Some((recording, values)) = self.recording.and_then(|r| Some((r, r.theta_ref.as_ref()?))) else {
+            return Vec::new();
+        };
+        let (Some(from), Some(to)) = (self.trace.t.first(), self.trace.t.last()) else { return Vec::new() };
+        let rows = recording.t.iter().zip(values).filter(|(t, v)| (from..=to).contains(t) && v.is_finite());
+        let (t, values): (Vec<f64>, Vec<f64>) = rows.unzip();
+        if values.iter().all(|v| *v == values[0]) {
+            return Vec::new();
+        }
+        min_max_rows(&values, POINTS_LARGE).into_iter().map(|k| [t[k], values[k]]).collect()
     }
 
     /// A small picture: the signals alone.
@@ -74,17 +124,24 @@ impl View<'_> {
     }
 
     fn panel(&self, height: u32, curves: &[Curve<'_>], what: &str, points: usize) -> Panel {
+        self.panel_of(height, curves, what, points, self.range_of(curves))
+    }
+
+    fn panel_of(
+        &self,
+        height: u32,
+        curves: &[Curve<'_>],
+        what: &str,
+        points: usize,
+        range: Range<f64>,
+    ) -> Panel {
         let t = &self.trace.t;
         let series = |curve: &Curve<'_>| {
             let rows = min_max_rows(curve.values, points);
             let line = rows.iter().filter(|&&k| k < t.len()).map(|&k| [t[k], curve.values[k]]);
             Series::new(curve.name, curve.tone, Shape::Lines(vec![line.collect()]))
         };
-        Panel {
-            height,
-            y: Axis::linear(what, self.range_of(curves)),
-            series: curves.iter().map(series).collect(),
-        }
+        Panel { height, y: Axis::linear(what, range), series: curves.iter().map(series).collect() }
     }
 
     fn chart(&self, panels: Vec<Panel>) -> Chart {
@@ -108,6 +165,9 @@ mod tests {
         let wave = |gain: f64| t.iter().map(|t| gain * t.sin()).collect();
         Trace {
             label: "IV<x>".into(),
+            recording: 0,
+            input: wave(0.1),
+            angle: None,
             measured: wave(1.0),
             baseline: wave(0.7),
             extended: wave(0.95),
@@ -119,7 +179,7 @@ mod tests {
     #[test]
     fn pictures_stay_small_however_long_the_recording() {
         let trace = trace(200_000);
-        let view = View { trace: &trace, changed: true, windows: &[[10.0, 20.0]] };
+        let view = View { trace: &trace, recording: None, changed: true, windows: &[[10.0, 20.0]] };
         let (large, small) = (view.large().html(), view.small().html());
         assert!(large.len() < 200_000 && small.len() < 60_000, "{} {}", large.len(), small.len());
         let before = |picture: &str| picture.matches("class=\"line before\"").count();
@@ -132,7 +192,7 @@ mod tests {
         let mut trace = trace(100);
         trace.baseline[50] = 1e12;
         trace.baseline[51] = f64::NAN;
-        let view = View { trace: &trace, changed: false, windows: &[] };
+        let view = View { trace: &trace, recording: None, changed: false, windows: &[] };
         assert!(view.range_of(&view.curves()).end < 2.5);
         assert!(!view.large().html().contains("after: "));
     }
@@ -140,7 +200,7 @@ mod tests {
     #[test]
     fn a_section_without_simulation_is_drawn_all_the_same() {
         let empty = Trace { baseline: Vec::new(), extended: Vec::new(), ..trace(50) };
-        let view = View { trace: &empty, changed: true, windows: &[] };
+        let view = View { trace: &empty, recording: None, changed: true, windows: &[] };
         assert!(view.large().html().contains("class=\"line measured\""));
         assert!(view.large().file(900).contains("prefers-color-scheme"));
     }

@@ -4,6 +4,7 @@ use super::answer::{
     Alternative, Answer, EffectAnswer, Evidence, FitAnswer, HeldOutAnswer, KnownAnswer, Location,
     ModelAnswer, VafAnswer, Verdict, WithError,
 };
+use super::candidates::candidates;
 use super::ceiling::ceilings;
 use super::component::{Component, components};
 use super::describe;
@@ -12,12 +13,15 @@ use super::estimates::estimates;
 use super::experiment;
 use super::gust::Gust;
 use super::judgement::Judgement;
+use super::left_over::left_over;
 use super::locate::{band, dependences, time_windows};
 use super::over_time::{OverTime, residual_moments};
 use super::parts::Part;
 use super::posterior::{Finding, Visited};
 use super::rotation::{Scores, scores};
 use super::shape_in_words::Formula;
+use super::spectra::spectra;
+use super::step_response::step_responses;
 use super::traces::traces;
 use crate::catalogue::find;
 use crate::catalogue::gust_disturbance::GustDisturbance;
@@ -68,9 +72,18 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
         notes,
     };
     answer.summary = describe::summary(&answer);
+    let traces = traces(problem, &baseline.effects, rotation);
     Diagnosis {
         answer,
-        traces: traces(problem, &baseline.effects, rotation),
+        left_over: left_over(problem, baseline, extended),
+        spectra: spectra(problem, extended, &traces),
+        steps: step_responses(
+            problem,
+            &selection.visited[selection.baseline],
+            &selection.visited[judgement.place],
+        ),
+        candidates: candidates(problem, selection, judgement.place),
+        traces,
         over_time: OverTime {
             of_time: judgement.of_time(),
             runs: residual_moments(problem, baseline, extended),

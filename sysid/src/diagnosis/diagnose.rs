@@ -3,17 +3,21 @@
 use super::answer::{Answer, FitAnswer, Location, Verdict};
 use super::balance::Balance;
 use super::building::{build, model_answer};
+use super::candidates::Candidate;
 use super::ceiling::ceilings;
 use super::component::Component;
 use super::data_checks::{self, DataCheck, Loops};
 use super::describe::predicts;
 use super::excitation;
 use super::judgement::Judgement;
+use super::left_over::LeftOver;
 use super::levels::PARTS;
 use super::over_time::OverTime;
 use super::parts::{Part, parts};
 use super::posterior::Visited;
 use super::selection::select;
+use super::spectra::Spectra;
+use super::step_response::StepResponses;
 use super::traces::Trace;
 use crate::catalogue::CATALOGUE;
 use crate::dataset::Dataset;
@@ -36,6 +40,14 @@ pub struct Diagnosis {
     pub over_time: OverTime,
     /// What the data say of each term that was added, largest share first.
     pub components: Vec<Component>,
+    /// What is left one step ahead; `None` where nothing could be judged.
+    pub left_over: Option<LeftOver>,
+    /// Spectra of the motion and of what free runs leave.
+    pub spectra: Spectra,
+    /// Responses to a step of the input; `None` where nothing could be judged or a simulation diverges.
+    pub steps: Option<StepResponses>,
+    /// Every candidate that was tried, the most probable first.
+    pub candidates: Vec<Candidate>,
     /// The extended model, with the values of the answer.
     pub model: ModelFile,
 }
@@ -254,6 +266,10 @@ fn unanswered(
         traces: Vec::new(),
         over_time: OverTime::default(),
         components: Vec::new(),
+        left_over: None,
+        spectra: Spectra::default(),
+        steps: None,
+        candidates: Vec::new(),
         model: said.known,
     }
 }

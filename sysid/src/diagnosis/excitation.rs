@@ -16,8 +16,10 @@ const FIR_MEMORY_S: f64 = 1.0;
 
 /// Why the data are too little before anything is fitted: too short, or a motion that never changes.
 pub fn too_little(problem: &Problem<'_>) -> Option<String> {
-    let seconds: f64 =
-        problem.data.places().iter().map(|p| p.rows.len() as f64 * problem.data.runs[p.run].step).sum();
+    let places = problem.data.places();
+    let lengths = places.iter().map(|p| p.rows.len() as f64 * problem.data.runs[p.run].step);
+    // the sum of nothing is −0.0, which would be told
+    let seconds = lengths.fold(0.0, |all, seconds| all + seconds);
     if seconds < SHORTEST_S {
         return Some(format!(
             "The data cannot tell: {seconds:.1} s of excitation are too short, at least {SHORTEST_S} s are needed (a hundred are good)."

@@ -10,14 +10,9 @@
 //!
 //! Source: Bendat, Piersol, Random Data, 4th ed., section 9.2; Welch, IEEE Transactions on Audio 15, 1967.
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use super::cross_spectrum::cross_spectrum;
 use serde::Serialize;
-use std::f64::consts::TAU;
 
-/// Length of a segment, s, and least number of them.
-const SEGMENT_S: f64 = 8.0;
-const LEAST_SEGMENTS: usize = 4;
 /// Frequencies at most.
 const LINES: usize = 48;
 /// Share of the segments that overlapping leaves independent.
@@ -43,74 +38,44 @@ pub struct Line {
 /// The estimate over `sections` of input and output, sampled every `step` s; empty where they are too short.
 #[must_use]
 pub fn coherence(sections: &[[&[f64]; 2]], step: f64) -> Vec<Line> {
-    let longest = sections.iter().map(|[u, y]| u.len().min(y.len())).max().unwrap_or(0);
-    let length = ((SEGMENT_S / step) as usize).min(2 * longest / (LEAST_SEGMENTS + 1));
-    if length < 16 {
-        return Vec::new();
-    }
-    let window: Vec<f64> =
-        (0..length).map(|k| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / length as f64).cos()).collect();
-    let bins = bins(length);
-    let transform = FftPlanner::new().plan_fft_forward(length);
-    let mut sums = vec![(0.0, 0.0, Complex::from(0.0)); bins.len()];
-    let mut segments = 0;
-    for [u, y] in sections {
-        let count = u.len().min(y.len());
-        let mut from = 0;
-        while from + length <= count {
-            let [a, b] = [u, y].map(|x| {
-                let mut lines = windowed(&x[from..from + length], &window);
-                transform.process(&mut lines);
-                lines
-            });
-            for (&bin, sum) in bins.iter().zip(&mut sums) {
-                sum.0 += a[bin].norm_sqr();
-                sum.1 += b[bin].norm_sqr();
-                sum.2 += b[bin] * a[bin].conj();
-            }
-            segments += 1;
-            from += length / 2;
-        }
-    }
-    let k = (OVERLAP * segments as f64).max(1.0);
-    let whole: f64 = sums.iter().map(|s| s.1).sum::<f64>().max(f64::MIN_POSITIVE);
-    bins.iter()
-        .zip(&sums)
-        .filter(|(_, (uu, yy, _))| *uu > 0.0 && *yy > 0.0)
-        .map(|(bin, (uu, yy, uy))| {
-            let response = uy / *uu;
-            let coherence = (uy.norm_sqr() / (uu * yy)).min(1.0);
+    let spectrum = cross_spectrum(sections, step);
+    let bins = bins(spectrum.bins.len());
+    let k = (OVERLAP * spectrum.segments as f64).max(1.0);
+    let lines = || bins.iter().map(|bin| &spectrum.bins[bin - 1]);
+    let whole: f64 = lines().map(|line| line.output).sum::<f64>().max(f64::MIN_POSITIVE);
+    lines()
+        .filter(|line| line.input > 0.0 && line.output > 0.0)
+        .map(|line| {
+            let response = line.cross / line.input;
+            let coherence = (line.cross.norm_sqr() / (line.input * line.output)).min(1.0);
             Line {
-                omega_rad_s: TAU * *bin as f64 / (length as f64 * step),
+                omega_rad_s: line.omega_rad_s,
                 gain: response.norm(),
                 phase_rad: response.arg(),
                 coherence,
                 deviation: ((1.0 - coherence) / (2.0 * k * coherence.max(1e-12))).sqrt(),
-                output_share: yy / whole,
+                output_share: line.output / whole,
             }
         })
         .collect()
 }
 
-/// Bins from 1 to half the sampling rate, thinned on the logarithm.
-fn bins(length: usize) -> Vec<usize> {
-    let last = (length / 2 - 1) as f64;
+/// Bins from 1 to `last`, thinned on the logarithm.
+fn bins(last: usize) -> Vec<usize> {
+    if last == 0 {
+        return Vec::new();
+    }
     let mut bins: Vec<usize> =
-        (0..LINES).map(|k| last.powf(k as f64 / (LINES - 1) as f64).round() as usize).collect();
+        (0..LINES).map(|k| (last as f64).powf(k as f64 / (LINES - 1) as f64).round() as usize).collect();
     bins.dedup();
     bins
-}
-
-/// The segment about its mean, windowed.
-fn windowed(x: &[f64], window: &[f64]) -> Vec<Complex<f64>> {
-    let mean = x.iter().sum::<f64>() / x.len() as f64;
-    x.iter().zip(window).map(|(x, w)| Complex::from((x - mean) * w)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
+    use rustfft::num_complex::Complex;
 
     #[test]
     fn a_known_filter_is_found_within_its_deviations() {

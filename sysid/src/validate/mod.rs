@@ -2,6 +2,7 @@
 
 pub mod coherence;
 pub mod cross_correlation;
+pub mod cross_spectrum;
 pub mod vaf;
 pub mod whiteness;
 

@@ -1,13 +1,12 @@
 //! What is shown of a log, as one HTML file that needs nothing else.
 
-use super::content::{Curve, Shown};
-use crate::failure::Failure;
+use super::content::{Curve, Shown, ShownAxis, ShownFlight, ShownRecording, ShownTopic};
 use crate::logs::excitation::Span;
-use crate::report::rendered;
-use benchmark::page::STYLE;
+use crate::report::content::capitalised;
+use benchmark::html::Document;
 use chart::ticks::padded;
 use chart::{Axis, Chart, Panel, Series, Shape, Tone, min_max_rows};
-use serde::Serialize;
+use maud::{Markup, PreEscaped, html};
 use std::ops::Range;
 
 /// Share of the points of a curve at either end of its range that may lie outside the picture, beyond so many times the range of
@@ -19,47 +18,157 @@ const ROOM: f64 = 1.0;
 /// Points of each curve.
 const POINTS: usize = 4000;
 
-/// What the template is given.
-#[derive(Serialize)]
-struct Page<'a> {
-    parts: Vec<Part<'a>>,
-    style: &'static str,
-    chart_style: &'static str,
-    script: &'static str,
-    version: &'static str,
-}
-
-/// A flight or a recording with its pictures, axis by axis.
-#[derive(Serialize)]
-struct Part<'a> {
-    is_flight: bool,
-    shown: &'a Shown,
-    pictures: Vec<Option<String>>,
-}
+const STYLE: &str = include_str!("page.css");
 
 /// The page.
-///
-/// # Errors
-/// A picture or the page that could not be drawn.
-pub fn html(shown: &[Shown]) -> Result<String, Failure> {
-    let page = Page {
-        parts: shown.iter().map(part).collect(),
-        style: STYLE,
-        chart_style: chart::STYLE,
-        script: chart::SCRIPT,
-        version: env!("CARGO_PKG_VERSION"),
+pub fn page(shown: &[Shown]) -> String {
+    let title = match shown.first() {
+        Some(Shown::Flight(flight)) => &flight.name,
+        Some(Shown::Recording(recording)) => &recording.name,
+        None => "nothing",
     };
-    rendered(include_str!("page.html"), page)
+    let body = html! {
+        @for part in shown {
+            @match part {
+                Shown::Flight(shown) => (flight(shown)),
+                Shown::Recording(shown) => (recording(shown)),
+            }
+        }
+        footer { "pitchid " (env!("CARGO_PKG_VERSION")) ". Shaded: where input and rate move." }
+    };
+    Document { title: &format!("{title}: what is in it"), style: STYLE, body, json: None }.html(true)
 }
 
-fn part(shown: &Shown) -> Part<'_> {
-    let pictures = match shown {
-        Shown::Flight(flight) => {
-            flight.axes.iter().map(|axis| picture(&axis.curves, &axis.excitation)).collect()
+fn flight(shown: &ShownFlight) -> Markup {
+    html! {
+        header {
+            p .verdict { (shown.format) }
+            h1 { (shown.name) }
+            p {
+                (shown.firmware.as_deref().unwrap_or("firmware not told"))
+                @if let Some(vehicle) = &shown.vehicle { ", " (vehicle) }
+                (lasting(shown.time_s)) "."
+            }
         }
-        Shown::Recording(recording) => vec![picture(&recording.curves, &recording.excitation)],
-    };
-    Part { is_flight: matches!(shown, Shown::Flight(_)), shown, pictures }
+        @for own in &shown.axes { (axis(own)) }
+        h2 { "Topics" }
+        div .table { table {
+            thead { tr { th { "Topic" } th .n { "rows" } th .n { "Hz" } th .n { "gaps" } th .n { "from, s" } th .n { "to, s" } } }
+            tbody { @for topic in &shown.topics { (row(topic)) } }
+        } }
+        (notes(&shown.notes))
+    }
+}
+
+fn axis(shown: &ShownAxis) -> Markup {
+    let (class, said) = if shown.can_serve { ("can", "can be asked") } else { ("cannot", "cannot serve") };
+    html! {
+        h2 { (capitalised(&shown.axis)) span class=(class) { (said) } }
+        @if !(shown.hindrances.is_empty() && shown.cautions.is_empty()) {
+            ul {
+                @for line in &shown.hindrances { li { (line) } }
+                @for line in &shown.cautions { li .soft { (line) } }
+            }
+        }
+        @if !shown.settings.is_empty() {
+            div .table { table {
+                thead { tr { th { "Set before the next flight" } th { "to" } th { "now" } th { "which" } } }
+                tbody { @for setting in &shown.settings { tr {
+                    td { code { (setting.parameter) } }
+                    td { (setting.value) }
+                    td { (setting.now.map_or("–".into(), |now| format!("{}", (now * 1e6).round() / 1e6))) }
+                    td { (setting.effect) }
+                } } }
+            } }
+        }
+        (figure(&shown.curves, &shown.excitation))
+        @if !shown.channels.is_empty() {
+            (spans(&shown.excitation))
+            div .table { table {
+                thead { tr { th { "Channel" } th { "of the log" } th .n { "Hz" } th { "why" } } }
+                tbody { @for channel in &shown.channels { tr {
+                    td { (channel.role) }
+                    td { code { (channel.source) } }
+                    td .n { (decimal(channel.rate_hz)) }
+                    td { (channel.reason) }
+                } } }
+            } }
+        }
+    }
+}
+
+fn recording(shown: &ShownRecording) -> Markup {
+    html! {
+        header {
+            p .verdict { (shown.format) @if let Some(axis) = &shown.axis { ", " (axis) } }
+            h1 { (shown.name) }
+            p {
+                (shown.rows) " rows at " (format!("{:.1}", shown.rate_hz)) " Hz, "
+                (shown.gaps) @if shown.gaps == 1 { " gap" } @else { " gaps" } (lasting(Some(shown.time_s))) "."
+            }
+        }
+        (figure(&shown.curves, &shown.excitation))
+        (spans(&shown.excitation))
+        div .table { table {
+            thead { tr { th { "Column" } th { "of the file" } } }
+            tbody { @for [column, source] in &shown.columns { tr { td { code { (column) } } td { code { (source) } } } } }
+        } }
+        (notes(&shown.notes))
+    }
+}
+
+fn lasting(time_s: Option<[f64; 2]>) -> String {
+    time_s.map_or(String::new(), |[from, to]| {
+        format!("; {:.1} s, from {from:.3} to {to:.3} s of its clock", to - from)
+    })
+}
+
+fn figure(curves: &[Curve], excitation: &[Span]) -> Markup {
+    html! { @if let Some(picture) = picture(curves, excitation) { figure { (PreEscaped(picture)) } } }
+}
+
+fn row(topic: &ShownTopic) -> Markup {
+    let [from, to] = topic.time_s;
+    html! {
+        tr {
+            td { code { (topic.name) } }
+            td .n { (topic.rows) }
+            td .n { (decimal(topic.rate_hz)) }
+            td .n { (topic.gaps) }
+            td .n { (format!("{from:.1}")) }
+            td .n { (format!("{to:.1}")) }
+        }
+    }
+}
+
+fn spans(all: &[Span]) -> Markup {
+    html! {
+        @if all.is_empty() { p { "The input moves nowhere long enough." } } @else {
+            div .table { table {
+                thead { tr {
+                    th { "Where it moves, s" }
+                    th .n { "input, std" }
+                    th .n { "rate, std, rad/s" }
+                    th .n { "80 % of the input's power, rad/s" }
+                } }
+                tbody { @for span in all { tr {
+                    td { (format!("{:.1} to {:.1}", span.time_s[0], span.time_s[1])) }
+                    td .n { (format!("{:.4}", span.input_deviation)) }
+                    td .n { (span.rate_deviation.map_or("–".into(), |rate| format!("{rate:.3}"))) }
+                    td .n { (span.band_rad_s.map_or("–".into(), |[low, high]| format!("{low:.1} to {high:.1}"))) }
+                } } }
+            } }
+        }
+    }
+}
+
+fn notes(notes: &[String]) -> Markup {
+    html! { @if !notes.is_empty() { h2 { "Notes" } ul { @for note in notes { li { (note) } } } } }
+}
+
+/// One decimal, where there is a value.
+fn decimal(value: Option<f64>) -> String {
+    value.map_or("–".into(), |value| format!("{value:.1}"))
 }
 
 /// Input, rate with its set-point, angle; shaded where input and rate move.
@@ -158,7 +267,7 @@ mod tests {
             text += &format!("{t:.2},{:.5},{:.5}\n", moves * (5.0 * t).sin(), moves * (5.0 * t).cos());
         }
         let recording = parse("a & b.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
-        let page = html(&[Shown::Recording(of_recording(&recording, None))]).unwrap();
+        let page = page(&[Shown::Recording(of_recording(&recording, None))]);
         assert_eq!(page.matches("class=\"plot\"").count(), 2, "input and rate");
         assert_eq!(page.matches("class=\"window\"").count(), 2, "one span in each");
         assert!(page.contains("a &amp; b.csv") && !page.contains("http:"), "nothing is fetched");
