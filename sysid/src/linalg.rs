@@ -1,60 +1,78 @@
-//! Decompositions of dense matrices: nalgebra's matrices, faer's algorithms, always sequential so that results repeat.
+//! Decompositions of dense matrices, always sequential so that results repeat.
 //!
-//! nalgebra 0.35's own singular value decomposition returns vectors that do not reproduce the matrix for about one in a
-//! hundred matrices of deficient rank.
+//! nalgebra's, but for the singular value decomposition: that of nalgebra 0.35 returns vectors that do not reproduce the
+//! matrix for about one in a hundred matrices of deficient rank.
 
-use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::evd::{
-    ComputeEigenvectors, evd_real, evd_scratch, self_adjoint_evd, self_adjoint_evd_scratch,
-};
-use faer::linalg::matmul::matmul;
-use faer::linalg::qr::no_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
-use faer::linalg::svd::{ComputeSvdVectors, svd, svd_scratch};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DMatrixView, Schur, SymmetricEigen};
 
 /// Singular values above this share of the largest keep six digits of their vectors when squared.
 const SAFE_TO_SQUARE: f64 = 1e-5;
-
-fn view(a: &DMatrix<f64>) -> MatRef<'_, f64> {
-    MatRef::from_column_major_slice(a.as_slice(), a.nrows(), a.ncols())
-}
-
-fn view_mut(a: &mut DMatrix<f64>) -> MatMut<'_, f64> {
-    let (rows, columns) = a.shape();
-    MatMut::from_column_major_slice_mut(a.as_mut_slice(), rows, columns)
-}
+/// Sweeps of rotations until rows are at right angles; half of these have been enough for any matrix.
+const MOST_SWEEPS: usize = 40;
+/// Iterations of an eigenvalue search for each row.
+const MOST_ITERATIONS: usize = 100;
 
 fn finite(a: &DMatrix<f64>) -> bool {
     a.iter().all(|x| x.is_finite())
 }
 
-fn with_room<T>(room: StackReq, work: impl FnOnce(&mut MemStack) -> T) -> T {
-    work(MemStack::new(&mut MemBuffer::new(room)))
-}
-
 /// Left singular vectors (as columns) and singular values of `a`, the largest first. `None` for entries that are not
 /// finite.
+///
+/// Columns of R of aᵀ = Q R, which are the rows of a seen from Q, are turned against one another until all are at right angles (Hestenes, Journal of the SIAM 6,
+/// 1958): the rotations together are the vectors, orthonormal whatever the rank.
 pub(crate) fn left_singular(a: &DMatrix<f64>) -> Option<(DMatrix<f64>, Vec<f64>)> {
     let (rows, columns) = a.shape();
-    let size = rows.min(columns);
-    if size == 0 || !finite(a) {
+    if rows.min(columns) == 0 || !finite(a) {
         return None;
     }
-    let (mut vectors, mut values) = (DMatrix::zeros(rows, size), Diag::zeros(size));
-    let (left, right) = (ComputeSvdVectors::Thin, ComputeSvdVectors::No);
-    let room = svd_scratch::<f64>(rows, columns, left, right, Par::Seq, Default::default());
-    with_room(room, |stack| {
-        let u = Some(view_mut(&mut vectors));
-        svd(view(a), values.as_mut(), u, None, Par::Seq, stack, Default::default())
-    })
-    .ok()?;
-    let values = values.column_vector().iter().copied().collect();
-    Some((vectors, values))
+    if rows > columns {
+        let factors = a.clone().qr();
+        let (vectors, values) = left_singular(&factors.r())?;
+        return Some((factors.q() * vectors, values));
+    }
+    let lower = a.transpose().qr().r();
+    let (mut work, mut turned) = (lower, DMatrix::<f64>::identity(rows, rows));
+    let small = f64::EPSILON * work.norm();
+    for _ in 0..MOST_SWEEPS {
+        let mut most = 0.0_f64;
+        for p in 0..rows {
+            for q in p + 1..rows {
+                let (x, y, xy) = (
+                    work.column(p).norm_squared(),
+                    work.column(q).norm_squared(),
+                    work.column(p).dot(&work.column(q)),
+                );
+                if xy.abs() <= f64::EPSILON * (x * y).sqrt() || x.max(y).sqrt() <= small {
+                    continue;
+                }
+                most = most.max(xy.abs() / (x * y).sqrt());
+                let slope = (y - x) / (2.0 * xy);
+                let tangent = slope.signum() / (slope.abs() + slope.hypot(1.0));
+                let cosine = 1.0 / tangent.hypot(1.0);
+                turn(&mut work, p, q, cosine, cosine * tangent);
+                turn(&mut turned, p, q, cosine, cosine * tangent);
+            }
+        }
+        if most <= f64::EPSILON * rows as f64 {
+            break;
+        }
+    }
+    let sizes: Vec<f64> = work.column_iter().map(|column| column.norm()).collect();
+    let mut order: Vec<usize> = (0..rows).collect();
+    order.sort_by(|&p, &q| sizes[q].total_cmp(&sizes[p]));
+    let vectors = DMatrix::from_fn(rows, rows, |i, j| turned[(i, order[j])]);
+    Some((vectors, order.into_iter().map(|p| sizes[p]).collect()))
+}
+
+/// (x, y) ← (c x − s y, s x + c y) of two columns.
+fn turn(a: &mut DMatrix<f64>, p: usize, q: usize, cosine: f64, sine: f64) {
+    let rows = a.nrows();
+    let (left, right) = a.as_mut_slice().split_at_mut(q * rows);
+    for (x, y) in left[p * rows..(p + 1) * rows].iter_mut().zip(&mut right[..rows]) {
+        (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
+    }
 }
 
 /// The first `count` left singular vectors of `a` (as columns), and all singular values, the largest first; faster than
@@ -64,60 +82,48 @@ pub(crate) fn leading_left_singular(a: &DMatrix<f64>, count: usize) -> Option<(D
     if n < count || a.ncols() < n || !finite(a) {
         return None;
     }
-    let mut square = DMatrix::zeros(n, n);
-    matmul(view_mut(&mut square), Accum::Replace, view(a), view(a).transpose(), 1.0, Par::Seq);
-    let (mut vectors, mut values) = (DMatrix::zeros(n, n), Diag::zeros(n));
-    let room = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
-    let found = with_room(room, |stack| {
-        let u = Some(view_mut(&mut vectors));
-        self_adjoint_evd(view(&square), values.as_mut(), u, Par::Seq, stack, Default::default())
+    let found = SymmetricEigen::try_new(a * a.transpose(), f64::EPSILON, MOST_ITERATIONS * n);
+    let sorted = found.map(|found| {
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&i, &j| found.eigenvalues[j].total_cmp(&found.eigenvalues[i]));
+        let values: Vec<f64> = order.iter().map(|&i| found.eigenvalues[i].max(0.0).sqrt()).collect();
+        (DMatrix::from_fn(n, count, |i, j| found.eigenvectors[(i, order[j])]), values)
     });
-    let values: Vec<f64> = values.column_vector().iter().rev().map(|v| v.max(0.0).sqrt()).collect();
-    if found.is_err() || count == 0 || values[count - 1] <= SAFE_TO_SQUARE * values[0] {
-        return left_singular(a).map(|(vectors, values)| (vectors.columns(0, count).into_owned(), values));
+    match sorted {
+        Some((vectors, values)) if count > 0 && values[count - 1] > SAFE_TO_SQUARE * values[0] => {
+            Some((vectors, values))
+        }
+        _ => left_singular(a).map(|(vectors, values)| (vectors.columns(0, count).into_owned(), values)),
     }
-    Some((DMatrix::from_fn(n, count, |i, j| vectors[(i, n - 1 - j)]), values))
 }
 
 /// L with L Lᵀ = `a`, from its lower half; `None` where `a` is not positive definite.
-pub(crate) fn cholesky(mut a: DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub(crate) fn cholesky(a: DMatrix<f64>) -> Option<DMatrix<f64>> {
     if !finite(&a) {
         return None;
     }
-    let room = cholesky_in_place_scratch::<f64>(a.nrows(), Par::Seq, Default::default());
-    let factored = with_room(room, |stack| {
-        let plain = LltRegularization::default();
-        cholesky_in_place(view_mut(&mut a), plain, Par::Seq, stack, Default::default())
-    });
-    factored.ok().map(|_| a)
+    a.cholesky().map(nalgebra::Cholesky::unpack)
 }
 
 /// b ← L⁻¹ b; what stands above the diagonal of `l` is not read.
 pub(crate) fn solve_lower(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
-    solve_lower_triangular_in_place(view(l), view_mut(b), Par::Seq);
+    l.solve_lower_triangular_unchecked_mut(b);
 }
 
 /// R of `a` = Q R, with as many rows as columns; `a` has at least as many rows as columns. Below the diagonal of the
 /// result stand zeros.
-pub(crate) fn upper_factor(mut a: DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub(crate) fn upper_factor(a: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let (rows, columns) = a.shape();
     if rows < columns || columns == 0 || !finite(&a) {
         return None;
     }
-    let block = recommended_block_size::<f64>(rows, columns);
-    let mut reflectors = Mat::<f64>::zeros(block, columns);
-    let room = qr_in_place_scratch::<f64>(rows, columns, block, Par::Seq, Default::default());
-    with_room(room, |stack| {
-        qr_in_place(view_mut(&mut a), reflectors.as_mut(), Par::Seq, stack, Default::default());
-    });
-    Some(a.view((0, 0), (columns, columns)).upper_triangle())
+    Some(a.qr().r())
 }
 
-/// Aᵀ A.
-pub(crate) fn gram(a: MatRef<'_, f64>) -> DMatrix<f64> {
-    let mut product = DMatrix::zeros(a.ncols(), a.ncols());
-    matmul(view_mut(&mut product), Accum::Replace, a.transpose(), a, 1.0, Par::Seq);
-    product
+/// Aᵀ A, of A with rows of `width`, one after the other.
+pub(crate) fn gram(rows: &[f64], width: usize) -> DMatrix<f64> {
+    let transposed = DMatrixView::from_slice(rows, width, rows.len() / width);
+    transposed * transposed.transpose()
 }
 
 /// Eigenvalues of the square `a`, balanced first (Parlett, Reinsch, Numerische Mathematik 13, 1969), for companion and
@@ -129,13 +135,71 @@ pub(crate) fn eigenvalues(a: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     }
     let mut balanced = a.clone();
     let _scales = balance_parlett_reinsch(&mut balanced);
-    let (mut re, mut im) = (Diag::zeros(n), Diag::zeros(n));
-    let none = ComputeEigenvectors::No;
-    with_room(evd_scratch::<f64>(n, none, none, Par::Seq, Default::default()), |stack| {
-        evd_real(view(&balanced), re.as_mut(), im.as_mut(), None, None, Par::Seq, stack, Default::default())
-    })
-    .ok()?;
-    let pairs = re.column_vector().iter().zip(im.column_vector().iter());
-    let values: Vec<Complex<f64>> = pairs.map(|(re, im)| Complex::new(*re, *im)).collect();
-    values.iter().all(|v| v.re.is_finite() && v.im.is_finite()).then_some(values)
+    let found = Schur::try_new(balanced, f64::EPSILON, MOST_ITERATIONS * n)?.complex_eigenvalues();
+    found.iter().all(|v| v.re.is_finite() && v.im.is_finite()).then(|| found.iter().copied().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+
+    /// Of a rank that need not be full.
+    fn drawn(seed: u64, rows: usize, columns: usize, rank: usize) -> DMatrix<f64> {
+        let mut generator = rand_pcg::Pcg64::seed_from_u64(seed);
+        let mut of =
+            |rows, columns| DMatrix::from_fn(rows, columns, |_, _| generator.random_range(-1.0..1.0));
+        of(rows, rank) * of(rank, columns)
+    }
+
+    #[test]
+    fn singular_vectors_reproduce_the_matrix_whatever_its_rank() {
+        for seed in 0..300 {
+            let [rows, columns] = [1 + seed as usize % 9, 1 + (seed / 9) as usize % 9];
+            let rank = 1 + seed as usize % rows.min(columns);
+            let a = drawn(seed, rows, columns, rank);
+            let (u, values) = left_singular(&a).unwrap();
+            assert_eq!((u.shape(), values.len()), ((rows, rows.min(columns)), rows.min(columns)));
+            assert!((u.transpose() * &u - DMatrix::identity(values.len(), values.len())).norm() < 1e-12);
+            assert!((&u * u.transpose() * &a - &a).norm() < 1e-12 * (1.0 + a.norm()), "{seed}");
+            let sizes: f64 = values.iter().map(|v| v * v).sum();
+            assert!((sizes - a.norm_squared()).abs() < 1e-11 * a.norm_squared());
+            assert!(values.is_sorted_by(|a, b| a >= b));
+            assert!(values[rank..].iter().all(|v| *v < 1e-12 * values[0]), "{values:?}");
+            let image = u.transpose() * &a;
+            for (i, value) in values.iter().enumerate() {
+                assert!((image.row(i).norm() - value).abs() < 1e-12 * values[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_quick_way_gives_the_same_space() {
+        let a = drawn(7, 6, 40, 6);
+        let (u, values) = left_singular(&a).unwrap();
+        let (quick, squared) = leading_left_singular(&a, 3).unwrap();
+        assert!((u.columns(0, 3).transpose() * &quick).svd(false, false).singular_values.min() > 1.0 - 1e-9);
+        assert!(values.iter().zip(&squared).all(|(a, b)| (a - b).abs() < 1e-7 * values[0]));
+        assert!(leading_left_singular(&a, 7).is_none() && left_singular(&(a * f64::NAN)).is_none());
+    }
+
+    #[test]
+    fn roots_of_a_polynomial_are_found() {
+        // (x − 1)(x − 2)(x² + 1) with its coefficients in a companion matrix
+        let coefficients = [-2.0, 3.0, -3.0, 3.0];
+        let companion =
+            DMatrix::from_fn(
+                4,
+                4,
+                |i, j| {
+                    if j == 3 { coefficients[i] } else { f64::from(u8::from(i == j + 1)) }
+                },
+            );
+        let mut found = eigenvalues(&companion).unwrap();
+        found.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
+        let expected = [(0.0, -1.0), (0.0, 1.0), (1.0, 0.0), (2.0, 0.0)];
+        for (found, (re, im)) in found.iter().zip(expected) {
+            assert!((found - Complex::new(re, im)).norm() < 1e-12, "{found}");
+        }
+    }
 }

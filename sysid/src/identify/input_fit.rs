@@ -18,7 +18,6 @@ use super::block_hankel::Stretch;
 use crate::error::{Error, ErrorKind};
 use crate::linalg::{eigenvalues, gram};
 use crate::model::state_space::StateSpace;
-use faer::MatRef;
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Highest order the kernels are made for.
@@ -103,7 +102,7 @@ fn normal_equations_order<const N: usize>(
             phi = advance(&columns, &phi, &c.map(|c| c * u));
             gamma = advance(&columns, &gamma, &[0.0; N]);
         }
-        total += gram(MatRef::from_row_major_slice(&rows[..width * u.len()], u.len(), width));
+        total += gram(&rows[..width * u.len()], width);
         // on long records a decayed response would end in denormal numbers, which are slow
         if gamma.iter().all(|g| g.abs() < DECAYED) {
             gamma = [0.0; N];

@@ -8,7 +8,6 @@ use crate::linalg::gram;
 use crate::model::plant::{Mount, Plant};
 use crate::model::sampled::{Parameter, SampledPlant};
 use core::f64::consts::TAU;
-use faer::MatRef;
 use nalgebra::{DMatrix, DVector, Vector4};
 
 /// Steps at most.
@@ -153,7 +152,7 @@ impl<'a> Problem<'a> {
         for (section, x0) in self.sections.iter().zip(x0) {
             let mut products = DMatrix::zeros(width, width);
             model.rows(section, x0, ar, &mut |some| {
-                products += gram(MatRef::from_row_major_slice(some, some.len() / width, width));
+                products += gram(some, width);
             });
             raw += products[(width - 1, width - 1)];
             eliminate(&mut products, nuisance);
