@@ -11,6 +11,9 @@ pub enum Error {
     /// A recording or a model could not be used.
     #[error(transparent)]
     Estimation(#[from] sysid::error::Error),
+    /// A plan could not be made.
+    #[error(transparent)]
+    Plan(#[from] experiment::Error),
     /// A file, a folder or a page.
     #[error("{message}")]
     Place {

@@ -87,22 +87,15 @@ pub struct BackgroundTruth {
 /// A plant or a configuration that cannot be. A test that the supervisor breaks off is no error: the flight
 /// says so in its outcome.
 pub fn fly(scenario: &Scenario) -> Result<Flight, Error> {
-    scenario.plant.check()?;
-    let background = size_background(scenario)?;
-    fly_in(scenario, background)
+    fly_in(scenario, air_of(scenario)?)
 }
 
-/// Flies `scenario` in air of the strength and colour that another scenario of the same vehicle has, drawn afresh: an ordinary
-/// flight in the air of the identification.
+/// Flies `scenario` in air of the strength and colour that [`air_of`] found for another test of the vehicle, drawn afresh.
 ///
 /// # Errors
 /// As [`fly`].
-pub fn fly_in_air_of(other: &Scenario, scenario: &Scenario) -> Result<Flight, Error> {
+pub fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Error> {
     scenario.plant.check()?;
-    fly_in(scenario, size_background(other)?)
-}
-
-fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Error> {
     let Scenario { seed, plant, ref effects, noise, plan, .. } = *scenario;
     let cycle = scenario.core().build::<TAPS>()?;
     let mut state = cycle.initial_state();
@@ -183,7 +176,10 @@ impl BackgroundTruth {
 /// Draws the spectrum (ω in 3..7 rad/s, ζ in 0.3..0.6) and sizes the moment for the share `v` that the true
 /// model is to explain: with P the power of q without the moment, n² the noise in it, and w the power that a
 /// unit moment adds, v = (P − n²) / (P + σ² w). The size is that for the usual air, and of any other the same.
-fn size_background(scenario: &Scenario) -> Result<BackgroundTruth, Error> {
+///
+/// # Errors
+/// As [`fly`].
+pub fn air_of(scenario: &Scenario) -> Result<BackgroundTruth, Error> {
     let mut generator = generator(scenario.seed, Stream::Background);
     let [first, second]: [f64; 2] = [generator.random(), generator.random()];
     let level = scenario.background;

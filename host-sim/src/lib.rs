@@ -62,7 +62,7 @@ pub use calibrate::{cost_of_leaving_out, size_for_loss};
 pub use effects::{CATALOGUE, OUTSIDE, Setting, UNTOUCHED};
 pub use error::Error;
 pub use excitation::Input;
-pub use flight::{Flight, fly, fly_in_air_of};
+pub use flight::{Flight, air_of, fly, fly_in};
 pub use free_flight::FreeFlight;
 pub use plant::{Mount, Plant};
 pub use reading::Others;

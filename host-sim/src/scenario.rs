@@ -3,6 +3,7 @@
 use estimator_core::constants::CAMPAIGN_DWELL_S;
 use estimator_core::plan::PlanConfig;
 use estimator_core::prbs::PrbsConfig;
+use estimator_core::supervisor::SupervisorConfig;
 use estimator_core::{Config, Section};
 use serde::{Deserialize, Serialize};
 
@@ -76,6 +77,8 @@ pub struct Scenario {
     pub others: Others,
     /// Durations of the sections.
     pub plan: PlanConfig,
+    /// Limits that the supervisor guards.
+    pub supervisor: SupervisorConfig,
 }
 
 impl Scenario {
@@ -102,6 +105,7 @@ impl Scenario {
             roll_yaw_logged: false,
             others: Others::default(),
             plan: PlanConfig::default(),
+            supervisor: SupervisorConfig::default(),
         })
     }
 
@@ -118,7 +122,8 @@ impl Scenario {
     pub fn core(&self) -> Config {
         let [dwell_min_s, dwell_max_s] = self.dwell_s;
         let prbs = PrbsConfig { amplitude_rad: self.amplitude_rad, dwell_min_s, dwell_max_s };
-        let mut config = Config { seed: self.seed, prbs, plan: self.plan, ..Config::default() };
+        let (plan, supervisor) = (self.plan, self.supervisor);
+        let mut config = Config { seed: self.seed, prbs, plan, supervisor, ..Config::default() };
         let clips = self.effects.iter().any(Setting::clips);
         if clips || self.noise.q_rad_s == 0.0 || self.noise.theta_rad == 0.0 {
             // a sensor looks frozen at the end of its range, and without noise whenever the vehicle rests

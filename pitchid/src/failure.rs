@@ -101,7 +101,18 @@ impl From<benchmark::Error> for Failure {
         match error {
             benchmark::Error::Simulator(error) => error.into(),
             benchmark::Error::Estimation(error) => error.into(),
+            benchmark::Error::Plan(error) => error.into(),
             benchmark::Error::Place { message, help } => Self::new(message, help),
+        }
+    }
+}
+
+impl From<experiment::Error> for Failure {
+    fn from(error: experiment::Error) -> Self {
+        match error {
+            experiment::Error::Simulator(error) => error.into(),
+            experiment::Error::Estimation(error) => error.into(),
+            experiment::Error::Craft { message, help } => Self::new(message, help),
         }
     }
 }

@@ -277,3 +277,18 @@ fn a_board_with_a_key_takes_what_is_signed_with_it() {
     );
     assert!(told.contains("finished with"), "{told}");
 }
+
+#[test]
+fn a_file_of_parameters_sets_the_board_and_the_command_line_goes_before_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let file =
+        "# NAME VALUE\nEXC_AMPL 0.011\nTEST_SECTION 2\nTEST_LOOP 0.02\nLIM_THETA 0.12\nREL_THETA 0.1\n";
+    std::fs::write(folder.path().join("test.param"), file).unwrap();
+    let board = Board::boot(Script::default());
+    let more = ["--parameters", "test.param", "--set", "TEST_SECTION=1", "--out", "f.csv"];
+    answered(folder.path(), &[&["fly", board.port.as_str()], &more[..]].concat());
+    let recording = std::fs::read_to_string(folder.path().join("f.csv")).unwrap();
+    for note in ["# EXC_AMPL = 0.011", "# TEST_SECTION = 1\n", "# LIM_THETA = 0.12", "# REL_THETA = 0.1"] {
+        assert!(recording.contains(note), "{note}");
+    }
+}

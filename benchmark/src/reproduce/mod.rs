@@ -5,6 +5,7 @@ mod campaign;
 mod figures;
 pub mod monitor;
 pub mod page;
+pub mod plans;
 mod study;
 
 pub use campaign::Condition;

@@ -1,6 +1,7 @@
 //! `pitchid fly`: runs the experiment on a board.
 
 use super::board_arguments::Line;
+use crate::board::parameter_file;
 use crate::board::taps::TapsFile;
 use crate::board::{CycleReport, Heard, Log, Phase, Station, Stop};
 use crate::failure::Failure;
@@ -38,7 +39,11 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
 
-    /// Set any parameter of the board first
+    /// Set the parameters in this file first, as pitchid plan wrote it
+    #[arg(long, value_name = "TEST.param")]
+    parameters: Option<PathBuf>,
+
+    /// Set any parameter of the board first; goes before those of a file
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
     settings: Vec<(String, f32)>,
 
@@ -57,6 +62,7 @@ pub struct Arguments {
 
 const AFTER_HELP: &str = "\
 Examples:
+  pitchid fly /dev/ttyUSB0 --parameters bench/test-1.param --out first.csv
   pitchid fly /dev/ttyUSB0 --amplitude 0.005 --set LIM_THETA=0.2 --out first.csv
   pitchid identify first.csv --monitor-out craft.toml
   pitchid fly /dev/ttyUSB0 --monitor craft.toml --out second.csv
@@ -79,16 +85,18 @@ fn setting(text: &str) -> Result<(String, f32), String> {
 /// Flies.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let outputs = [Some(&arguments.out), arguments.taps.as_ref()].into_iter().flatten();
-    let inputs: Vec<&Path> = arguments.monitor.as_deref().into_iter().collect();
+    let inputs: Vec<&Path> =
+        arguments.monitor.iter().chain(&arguments.parameters).map(PathBuf::as_path).collect();
     output::check(outputs.map(PathBuf::as_path), &inputs)?;
     let monitor = arguments.monitor.as_deref().map(monitor).transpose()?;
+    let wanted = wanted(arguments)?;
     let stop = Stop::on_ctrl_c()?;
     let mut station = arguments.line.open()?;
     station.greet(&stop)?;
     if let Some(monitor) = &monitor {
         station.upload(monitor)?;
     }
-    let parameters = set_up(&mut station, arguments)?;
+    let parameters = set_up(&mut station, wanted)?;
     let mut log = Log::create(&arguments.out, "pitchid fly")?;
     for (name, value) in &parameters {
         log.note(&format!("{name} = {value}"))?;
@@ -118,16 +126,23 @@ fn monitor(path: &Path) -> Result<MonitorModel, Failure> {
     Ok(model)
 }
 
-/// Sets what was asked for and returns all parameters as they stand.
-fn set_up(station: &mut Station, arguments: &Arguments) -> Result<BTreeMap<String, f32>, Failure> {
-    let mut wanted = arguments.settings.clone();
+/// What is to be set: what a file says, and what the command line says instead or besides.
+fn wanted(arguments: &Arguments) -> Result<BTreeMap<String, f32>, Failure> {
+    let file = arguments.parameters.as_deref().map(parameter_file::read).transpose()?;
+    let mut wanted: BTreeMap<String, f32> = file.unwrap_or_default().into_iter().collect();
+    wanted.extend(arguments.settings.iter().cloned());
     if let Some([low, high]) = arguments.campaign.and_then(|n| CAMPAIGN_DWELL_S.get(usize::from(n) - 1)) {
         wanted.extend([("EXC_DWELL_MIN".to_owned(), *low), ("EXC_DWELL_MAX".to_owned(), *high)]);
     }
     wanted.extend(arguments.amplitude.map(|value| ("EXC_AMPL".to_owned(), value)));
     wanted.extend(arguments.seed.map(|value| ("EXC_SEED".to_owned(), value as f32)));
+    Ok(wanted)
+}
+
+/// Sets what is wanted and returns all parameters as they stand.
+fn set_up(station: &mut Station, wanted: BTreeMap<String, f32>) -> Result<BTreeMap<String, f32>, Failure> {
     let known = station.parameters()?;
-    if let Some((name, _)) = wanted.iter().find(|(name, _)| !known.contains_key(name)) {
+    if let Some((name, _)) = wanted.iter().find(|(name, _)| !known.contains_key(*name)) {
         let names: Vec<&str> = known.keys().map(String::as_str).collect();
         return Err(Failure::new(
             format!("the board has no parameter {name}"),

@@ -5,9 +5,11 @@ mod compare;
 mod convert;
 mod demo;
 mod diagnose;
+mod effect_spec;
 mod fly;
 mod identify;
 mod monitor;
+mod plan;
 mod prove;
 mod reading;
 mod record;
@@ -36,6 +38,7 @@ Examples:
   pitchid identify test1.csv test2.csv --out-model fitted.toml
   pitchid compare before.csv after.csv                what changed on the craft
   pitchid monitor flight.csv --monitor craft.toml     is the craft still what it was, and if not, what changed
+  pitchid plan --mass 5 --arm 0.415 --out bench       the first experiment, before it is flown
   pitchid convert flight.ulg roll.csv --axis roll     a log's axis as a table
   pitchid reproduce paper --seeds 20
   pitchid simulate --effect coulomb_friction:Mc=0.1 --out friction.csv
@@ -59,6 +62,7 @@ enum Command {
     Identify(identify::Arguments),
     Man(shell::Man),
     Monitor(monitor::Arguments),
+    Plan(plan::Arguments),
     Prove(prove::Arguments),
     Record(record::Arguments),
     Reproduce(reproduce::Arguments),
@@ -81,6 +85,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Man(arguments) => shell::man(&arguments),
         Command::Monitor(arguments) => monitor::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
         Command::Prove(arguments) => prove::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),

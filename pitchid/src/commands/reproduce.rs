@@ -2,6 +2,7 @@
 
 mod benchmarks;
 mod monitor;
+mod plans;
 
 use super::reading::read_plain;
 use crate::failure::Failure;
@@ -25,6 +26,7 @@ enum What {
     Paper(PaperArguments),
     Benchmarks(benchmarks::Arguments),
     Monitor(monitor::Arguments),
+    Plans(plans::Arguments),
 }
 
 /// Table 2 and figures 6 to 8 of Riccardi, Panizza, Lovera (ERF 2014), over many simulated campaigns
@@ -73,6 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         What::Paper(arguments) => run_paper(arguments),
         What::Benchmarks(arguments) => benchmarks::run(arguments),
         What::Monitor(arguments) => monitor::run(arguments),
+        What::Plans(arguments) => plans::run(arguments),
     }
 }
 

@@ -9,7 +9,7 @@ pub mod identified;
 mod map;
 mod over_time;
 mod page;
-mod recorded;
+pub mod recorded;
 pub mod repeat;
 mod spectrum;
 mod step;

@@ -1,7 +1,9 @@
 //! The likelihood of data under a model: the unknowns, the predictor, fits, free runs.
 
+pub mod contest;
 pub mod evidence;
 pub mod fit;
 pub mod free_run;
 pub mod horizon;
+pub mod precision;
 pub mod problem;

@@ -3,7 +3,7 @@
 use super::reduced::Linear;
 use crate::dataset::{Dataset, Run};
 use crate::error::{Error, ErrorKind};
-use crate::likelihood::fit::{Fit, covariance, fit_baseline, refit_with, settled};
+use crate::likelihood::fit::{Fit, covariance, fit_baseline, no_likelihood, refit_with, settled};
 use crate::likelihood::problem::{Problem, Unpacked};
 use crate::model::baseline::Baseline;
 use crate::model::file::ModelFile;
@@ -60,28 +60,20 @@ pub fn design(recordings: &[Recording], model: Option<&ModelFile>) -> Result<Des
         return Err(Error::new(ErrorKind::Column, found, "record it: the monitor follows the rate"));
     }
     let problem = Problem::new(&data, &baseline, &[]);
-    let failed = || {
-        let found = "no monitor can be made: the model has no finite likelihood on these data";
-        Error::new(
-            ErrorKind::Numerical,
-            found,
-            "check that the axis is excited, and the units of the columns",
-        )
-    };
-    let fit = fitted(&problem).ok_or_else(failed)?;
+    let fit = fitted(&problem).ok_or_else(no_likelihood)?;
     let mut unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
     unpacked.disturbance.zero = unpacked.disturbance.zero.max(SLOWEST);
     unpacked.disturbance.angle_noise = unpacked.disturbance.angle_noise.max(LEAST_ANGLE_NOISE_S);
-    let run = data.runs.iter().max_by_key(|run| run.len()).ok_or_else(failed)?;
-    let residuals = problem.errors_of(&unpacked).ok_or_else(failed)?;
-    let whitening = whitening(&residuals, &problem).ok_or_else(failed)?;
+    let run = data.runs.iter().max_by_key(|run| run.len()).ok_or_else(no_likelihood)?;
+    let residuals = problem.errors_of(&unpacked).ok_or_else(no_likelihood)?;
+    let whitening = whitening(&residuals, &problem).ok_or_else(no_likelihood)?;
     let mut notes = Vec::new();
     let linear = baseline.terms.iter().filter(|term| !term.effect.is_background()).count();
     if linear > 0 {
         notes.push(format!("{linear} effects of the model are in the monitor by their linear part alone"));
     }
     let (mut made, states, reduction_error) =
-        predictor(&problem, &unpacked, run, &whitening).ok_or_else(failed)?;
+        predictor(&problem, &unpacked, run, &whitening).ok_or_else(no_likelihood)?;
     let samples = f64::from(made.delay_samples);
     if samples > f64::from(MAX_INPUT_DELAY) {
         let found = format!("an input delay of {:.3} s", samples * run.step);

@@ -4,7 +4,7 @@ use crate::Error;
 use estimator_core::monitor::Cause;
 use estimator_core::plan::PlanConfig;
 use host_sim::seeds::{Stream, generator};
-use host_sim::{Background, Plant, Scenario, Setting, fly, fly_in_air_of};
+use host_sim::{Background, Plant, Scenario, Setting, air_of, fly, fly_in};
 use rand::RngExt;
 use serde::Serialize;
 use sysid::dataset::Dataset;
@@ -93,7 +93,7 @@ impl Vehicle {
         let longer = PlanConfig { section_s: 400.0, ..identification.plan };
         let exact = Scenario { plan: longer, ..identification.clone() };
         let design_of = |scenario: &Scenario| -> Result<Design, Error> {
-            let text = fly_in_air_of(&identification, scenario)?.recording();
+            let text = fly_in(scenario, air_of(&identification)?)?.recording();
             Ok(design(&[parse("identification", text.as_bytes(), &ReadOptions::default())?], None)?)
         };
         let text = fly(&identification)?.recording();
@@ -149,7 +149,7 @@ impl Vehicle {
 
     /// What the flight logged, as the monitor is given it.
     pub fn fly(&self, scenario: &Scenario) -> Result<Dataset, Error> {
-        let text = fly_in_air_of(&self.identification, scenario)?.recording();
+        let text = fly_in(scenario, air_of(&self.identification)?)?.recording();
         Ok(Dataset::new(&[parse("flight", text.as_bytes(), &ReadOptions::default())?])?)
     }
 }
