@@ -82,7 +82,7 @@ fn the_doctor_says_what_is_wrong_and_what_to_do() {
         ("model.toml", b"[plant]\ninertia_kg_m2 = 0.2\n", "a model file"),
         ("cut.csv", &csv[..40], ""),
         ("cut.ulg", b"ULog\x01\x12\x35\x01", "ends after 8 bytes"),
-        ("header.ulg", b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", "only 0.0 s"),
+        ("header.ulg", b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", "no message can be read"),
         ("zeros.bin", &[0; 5000], "binary"),
         ("text.csv", b"a,b\n1,x\n", ""),
         ("still.csv", &[b"t_s,u_rad,q_rad_s\n", still.as_bytes()].concat(), "moves nowhere"),
