@@ -93,7 +93,7 @@ pub fn excursion(flights: &[Flown]) -> Excursion {
     }
 }
 
-/// What the recordings of `tests`, estimated from together, tell with every seed.
+/// What the recordings of `tests`, estimated from together, tell with every seed; `one_more` hears of each.
 ///
 /// # Errors
 /// A craft that cannot be.
@@ -102,8 +102,13 @@ pub fn accuracy(
     craft: &Craft,
     weather: Weather,
     seeds: &[u64],
+    one_more: &(dyn Fn() + Sync),
 ) -> Result<Vec<Accuracy>, Error> {
-    let all = seeds.par_iter().map(|&seed| estimated(tests, craft, &[], weather, seed));
+    let all = seeds.par_iter().map(|&seed| {
+        let found = estimated(tests, craft, &[], weather, seed);
+        one_more();
+        found
+    });
     let all: Vec<Vec<Estimate>> = all.collect::<Result<_, Error>>()?;
     let names: Vec<String> =
         all.first().map(|one| one.iter().map(|e| e.name.clone()).collect()).unwrap_or_default();

@@ -8,6 +8,7 @@ use crate::search::{SECTION_S, candidates, settled};
 use crate::test::Test;
 use crate::wishes::Wishes;
 use serde::Serialize;
+use sysid::progress::{Counted, Progress};
 
 /// Shortest section, s: three times the memory of the on-board filter.
 const SHORTEST_S: f32 = 10.0;
@@ -75,7 +76,7 @@ pub fn plan(
     craft: &Craft,
     wishes: &Wishes,
     rivals: Option<&Rivals>,
-    say: &(dyn Fn(&str) + Sync),
+    say: &Progress<'_>,
 ) -> Result<Plan, Error> {
     let candidates = candidates(craft, wishes, say)?;
     let needed = |tests: &[Test]| match rivals {
@@ -83,24 +84,26 @@ pub fn plan(
         None => time_to_know(tests, craft, wishes),
     };
     let mut considered = Vec::new();
-    for (k, test) in candidates.iter().enumerate() {
-        say(&format!("what a test tells: {} of {}", k + 1, candidates.len()));
+    let counted = Counted::new(say, "what each tells", 2 * candidates.len() - 1);
+    for test in &candidates {
         considered.push(Considered::new(vec![*test], needed(&[*test])?, wishes));
+        counted.one();
     }
     let best = quickest(&considered).excitations[0];
-    for (k, other) in candidates.iter().filter(|other| **other != best).enumerate() {
-        say(&format!("what two tests tell: {} of {}", k + 1, candidates.len() - 1));
+    for other in candidates.iter().filter(|other| **other != best) {
         let both = [best, *other];
         considered.push(Considered::new(both.to_vec(), needed(&both)?, wishes));
+        counted.one();
     }
     let chosen = quickest(&considered);
     let mut notes = chosen.falls_short(wishes);
     let tests = chosen.tests.clone();
     let mut planned = Vec::new();
-    for (k, test) in tests.iter().enumerate() {
-        say(&format!("flying test {} of {} {} times", k + 1, tests.len(), wishes.flights));
+    let counted = Counted::new(say, "flying each test many times", tests.len());
+    for test in &tests {
         let (test, excursion) = settled(*test, craft, wishes)?;
         planned.push(PlannedTest { length_s: test.length_s(), test, excursion });
+        counted.one();
     }
     planned.sort_by(|a, b| a.excursion.angle_rad.median.total_cmp(&b.excursion.angle_rad.median));
     let tests: Vec<Test> = planned.iter().map(|planned| planned.test).collect();
@@ -111,11 +114,11 @@ pub fn plan(
         ));
     }
     let seeds = wishes.estimated_seeds();
-    say(&format!("estimating from {} simulated experiments", seeds.len()));
-    let accuracy = accuracy(&tests, craft, wishes.weather, &seeds)?;
+    let counted = Counted::new(say, "estimating from simulated experiments", seeds.len());
+    let accuracy = accuracy(&tests, craft, wishes.weather, &seeds, &|| counted.one())?;
     let chance = rivals
         .map(|rivals| {
-            say("letting the rivals contest");
+            say("letting the rivals contest".into());
             rivals.chance(&tests, craft, wishes.weather, &wishes.contested_seeds())
         })
         .transpose()?;
@@ -133,7 +136,7 @@ pub fn plan(
 /// Sections of `tests`, in s for each, after which the parameters are as well known as wanted: the square of a half-width falls with
 /// the time.
 fn time_to_know(tests: &[Test], craft: &Craft, wishes: &Wishes) -> Result<f64, Error> {
-    let told = accuracy(tests, craft, wishes.weather, &wishes.compared_seeds())?;
+    let told = accuracy(tests, craft, wishes.weather, &wishes.compared_seeds(), &|| ())?;
     let ratio = |one: &Accuracy| Some(one.half_width.most / wishes.wanted(&one.name)?);
     let worst = told.iter().filter_map(ratio).fold(0.0, f64::max);
     Ok(f64::from(SECTION_S) * worst * worst * tests.len() as f64)

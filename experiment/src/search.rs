@@ -6,6 +6,7 @@ use crate::forecast::{Excursion, excursion, flights};
 use crate::test::{Flown, Test};
 use crate::wishes::Wishes;
 use estimator_core::plan::PlanConfig;
+use sysid::progress::{Counted, Progress};
 
 /// Ranges of dwells, s: the paper's four campaigns, one faster, two slower.
 const DWELLS_S: [[f32; 2]; 7] =
@@ -66,20 +67,20 @@ fn test(wishes: &Wishes) -> Test {
 ///
 /// # Errors
 /// None does, or a craft that cannot be.
-pub fn candidates(craft: &Craft, wishes: &Wishes, say: &(dyn Fn(&str) + Sync)) -> Result<Vec<Test>, Error> {
-    say("flying without excitation");
+pub fn candidates(craft: &Craft, wishes: &Wishes, say: &Progress<'_>) -> Result<Vec<Test>, Error> {
+    say("flying without excitation".into());
     let plain = Test { closed_loop_s: closed_loop_s(craft, wishes)?, ..test(wishes) };
     let mut gentlest = None;
     for trip in TRIPS {
         let plain = Test { trip_theta_rad: rounded(trip * wishes.limit_rad), ..plain };
         let mut found = Vec::new();
-        for (k, dwell_s) in DWELLS_S.into_iter().enumerate() {
-            let [shortest, longest] = dwell_s;
-            say(&format!("excitation {} of {}: dwell {shortest} to {longest} s", k + 1, DWELLS_S.len()));
+        let counted = Counted::new(say, "looking for what the limits bear", DWELLS_S.len());
+        for dwell_s in DWELLS_S {
             match strongest(&Test { dwell_s, ..plain }, craft, wishes)? {
                 Ok(test) => found.push(test),
                 Err(shown) => gentlest = Some(shown),
             }
+            counted.one();
         }
         if !found.is_empty() {
             return Ok(found);

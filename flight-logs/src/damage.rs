@@ -25,8 +25,10 @@ impl Damage {
     pub(crate) fn note(&self) -> Option<String> {
         (self.places > 0).then(|| {
             format!(
-                "{} bad bytes in {} places, the first at offset {}: skipped",
-                self.bytes, self.places, self.first
+                "{} bad bytes in {}, the first at offset {}: skipped",
+                self.bytes,
+                if self.places == 1 { "1 place".to_owned() } else { format!("{} places", self.places) },
+                self.first
             )
         })
     }

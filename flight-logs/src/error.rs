@@ -61,6 +61,10 @@ impl Error {
             std::io::ErrorKind::PermissionDenied => {
                 ("permission denied".into(), "check the rights of the file")
             }
+            std::io::ErrorKind::FileTooLarge => (
+                format!("more than {} MiB", crate::LARGEST >> 20),
+                "check that it is the log that you mean; cut a longer one with its autopilot's own tools",
+            ),
             _ => (format!("could not be read: {error}"), "check the file and its disk"),
         };
         Self::new(found, advice).in_file(file)

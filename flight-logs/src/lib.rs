@@ -215,26 +215,42 @@ impl Field {
 /// In memory are 8 bytes for each number and, but for ULog, the file; no size that a file claims is believed.
 ///
 /// # Errors
-/// A file that cannot be read, is empty, is none of the known formats, or holds nothing that can be read.
+/// A file that cannot be read, is empty, is larger than [`LARGEST`], is none of the known formats, or holds nothing that can
+/// be read.
 pub fn read(paths: &[&Path]) -> Result<Vec<Log>, Error> {
+    let sources = paths.iter().map(|path| {
+        let name = path.display().to_string();
+        let file = match path.is_dir() {
+            true => Err(std::io::ErrorKind::IsADirectory.into()),
+            false => File::open(path),
+        };
+        Ok((name.clone(), file.map_err(|error| Error::from_io(&name, &error))?))
+    });
+    read_from(sources.collect::<Result<Vec<_>, Error>>()?)
+}
+
+/// The same of open files, pipes or devices, each with the name that stands for it in messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_from(sources: Vec<(String, impl Read)>) -> Result<Vec<Log>, Error> {
     let mut logs = Vec::new();
     let mut tables = Vec::new();
-    for path in paths {
-        let name = path.display().to_string();
-        if path.is_dir() {
-            return Err(Error::from_io(&name, &std::io::ErrorKind::IsADirectory.into()));
-        }
+    for (name, source) in sources {
         let unreadable = |error: std::io::Error| Error::from_io(&name, &error);
-        let mut file = File::open(path).map_err(unreadable)?;
+        let mut source = Bounded { source, left: LARGEST };
         let mut bytes = Vec::new();
-        (&mut file).take(sniff::REACH as u64).read_to_end(&mut bytes).map_err(unreadable)?;
+        (&mut source).take(sniff::REACH as u64).read_to_end(&mut bytes).map_err(unreadable)?;
         let format = sniff(&bytes);
         if format == Some(Format::ULog) {
-            let log = ulog::read(&mut bytes.as_slice().chain(file));
+            let log = ulog::read(&mut bytes.as_slice().chain(source));
             logs.push(log.map_err(|error| error.in_file(&name))?);
             continue;
         }
-        file.read_to_end(&mut bytes).map_err(unreadable)?;
+        if format.is_none() {
+            return Err(sniff::unknown(&bytes).in_file(&name));
+        }
+        source.read_to_end(&mut bytes).map_err(unreadable)?;
         match format {
             Some(Format::Ulog2Csv) => tables.push((name, bytes)),
             _ => logs.extend(parse(&name, &bytes)?),
@@ -244,6 +260,23 @@ pub fn read(paths: &[&Path]) -> Result<Vec<Log>, Error> {
         logs.push(ulog2csv::parse(&tables)?);
     }
     Ok(logs)
+}
+
+/// Largest log that is read, bytes: four times the largest that autopilots are known to write. A device may have no end.
+pub const LARGEST: u64 = 1 << 31;
+
+/// A source that fails once more than it may has come from it.
+struct Bounded<R> {
+    source: R,
+    left: u64,
+}
+
+impl<R: Read> Read for Bounded<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.source.read(buffer)?;
+        self.left = self.left.checked_sub(count as u64).ok_or(std::io::ErrorKind::FileTooLarge)?;
+        Ok(count)
+    }
 }
 
 /// Reads one flight log from its bytes; `name` stands for the file in messages, and names the topic of a CSV file.
@@ -263,4 +296,19 @@ pub fn parse(name: &str, bytes: &[u8]) -> Result<Vec<Log>, Error> {
         None => Err(sniff::unknown(bytes)),
     };
     read.map_err(|error| error.in_file(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_source_without_an_end_is_refused() {
+        let mut bounded = Bounded { source: std::io::repeat(0), left: 1 << 20 };
+        let error = bounded.read_to_end(&mut Vec::new()).unwrap_err();
+        let error = Error::from_io("log.bin", &error).to_string();
+        assert!(error.contains("log.bin: more than 2048 MiB"), "{error}");
+        let mut whole = Bounded { source: &[1, 2, 3][..], left: 3 };
+        assert_eq!(whole.read_to_end(&mut Vec::new()).unwrap(), 3);
+    }
 }

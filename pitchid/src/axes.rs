@@ -2,11 +2,10 @@
 
 use crate::failure::Failure;
 use crate::logs::recording::recording;
-use crate::logs::{Flight, Source, TimeSpan, choose, refuse_options};
+use crate::logs::{Flight, Source, Table, TimeSpan, choose, refuse_options};
 use clap::ValueEnum;
 use flight_logs::axes::Axis;
-use std::path::{Path, PathBuf};
-use sysid::recording::{ColumnMap, Expression, NoteKind, ReadOptions, Recording, header, read};
+use sysid::recording::{ColumnMap, Expression, NoteKind, ReadOptions, Recording, header, parse};
 
 /// Units of an input, as they end its name.
 const UNITS: [&str; 6] = ["rad", "pct", "V", "N_m", "N", "norm"];
@@ -101,7 +100,7 @@ pub enum Readable {
     /// One flight of a log, cut to the part that is meant.
     Log(Box<Flight>),
     /// A recording, and the part of it that is meant.
-    Table(PathBuf, Option<TimeSpan>),
+    Table(Table, Option<TimeSpan>),
 }
 
 impl Readable {
@@ -113,9 +112,9 @@ impl Readable {
                 flight.cut(time)?;
                 Ok(Self::Log(Box::new(flight)))
             }
-            Source::Recording(path) => {
-                refuse_options(&path, [("--flight", number.is_some())])?;
-                Ok(Self::Table(path, time.cloned()))
+            Source::Recording(table) => {
+                refuse_options(&table.name, [("--flight", number.is_some())])?;
+                Ok(Self::Table(table, time.cloned()))
             }
         }
     }
@@ -124,7 +123,9 @@ impl Readable {
     pub fn axes(&self) -> Vec<Axis> {
         match self {
             Self::Log(_) => Axis::ALL.to_vec(),
-            Self::Table(path, _) => header(path).map_or(Vec::new(), |names| axes_of(&names)),
+            Self::Table(table, _) => {
+                header(&table.name, &table.text).map_or(Vec::new(), |names| axes_of(&names))
+            }
         }
     }
 
@@ -132,8 +133,8 @@ impl Readable {
     pub fn recording(&self, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
         match self {
             Self::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), options),
-            Self::Table(path, time) => {
-                let mut recording = recording_of(path, axis, options)?;
+            Self::Table(table, time) => {
+                let mut recording = recording_of(table, axis, options)?;
                 if let Some(TimeSpan { from, to }) = time {
                     recording.cut(*from, *to)?;
                 }
@@ -151,10 +152,11 @@ fn axes_of(names: &[String]) -> Vec<Axis> {
 }
 
 /// Reads one axis of a recording as if it were the only one; what the user maps goes first.
-fn recording_of(path: &Path, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
-    let names = header(path)?;
+fn recording_of(table: &Table, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
+    let Table { name, text, .. } = table;
+    let names = header(name, text)?;
     let Some(axis) = axis.or_else(|| axes_of(&names).contains(&Axis::Pitch).then_some(Axis::Pitch)) else {
-        return Ok(read(path, options)?);
+        return Ok(parse(name, text, options)?);
     };
     let [_, rate, angle] = columns(axis);
     let of = |target: &str, source: &str| ColumnMap {
@@ -177,7 +179,7 @@ fn recording_of(path: &Path, axis: Option<Axis>, options: &ReadOptions) -> Resul
     if axis != Axis::Pitch
         && let Some((_, what)) = missing
     {
-        let found = format!("{}: no column for {what} of {axis} among {}", path.display(), names.join(", "));
+        let found = format!("{name}: no column for {what} of {axis} among {}", names.join(", "));
         let [word, rate, _] = columns(axis);
         let help =
             format!("{axis} needs u_{word}_norm (or another unit) and {rate}; map others with --column");
@@ -187,7 +189,7 @@ fn recording_of(path: &Path, axis: Option<Axis>, options: &ReadOptions) -> Resul
     own.retain(|map| map.source.as_column() != Some(&map.target));
     let found: Vec<String> = own.iter().map(|map| format!("{} is the file's column", map.target)).collect();
     let columns = options.columns.iter().cloned().chain(own).collect();
-    let mut recording = read(path, &ReadOptions { columns, ..options.clone() })?;
+    let mut recording = parse(name, text, &ReadOptions { columns, ..options.clone() })?;
     if !angle_is_own {
         recording.theta = None;
     }
@@ -204,8 +206,6 @@ mod tests {
 
     #[test]
     fn each_axis_is_read_as_the_only_one() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("flight.csv");
         let mut text =
             "# a comment\nt_s,u_roll_norm,u_yaw_norm,p_rad_s,q_rad_s,r_rad_s,theta_rad,thrust_norm\n"
                 .to_owned();
@@ -221,18 +221,18 @@ mod tests {
                 x.cos()
             );
         }
-        std::fs::write(&path, text).unwrap();
-        assert_eq!(axes_of(&header(&path).unwrap()), [Axis::Roll, Axis::Yaw]);
+        let table = Table { name: "flight.csv".into(), text: text.into_bytes() };
+        assert_eq!(axes_of(&header(&table.name, &table.text).unwrap()), [Axis::Roll, Axis::Yaw]);
         let options = ReadOptions::default();
-        let roll = recording_of(&path, Some(Axis::Roll), &options).unwrap();
+        let roll = recording_of(&table, Some(Axis::Roll), &options).unwrap();
         assert_eq!((roll.u[3], roll.q.unwrap()[3]), (3.0, 9.0));
         assert!(roll.theta.is_none(), "the angle of pitch is none of roll's");
         assert_eq!(roll.p.unwrap()[3], 12.0, "pitch stands beside roll as roll beside pitch");
-        let yaw = recording_of(&path, Some(Axis::Yaw), &options).unwrap();
+        let yaw = recording_of(&table, Some(Axis::Yaw), &options).unwrap();
         assert_eq!((yaw.u[3], yaw.q.unwrap()[3]), (6.0, 3_f64.sin()));
         let mapped = ReadOptions { columns: vec!["q_rad_s=-p_rad_s".parse().unwrap()], ..options };
-        let turned = recording_of(&path, Some(Axis::Roll), &mapped).unwrap();
+        let turned = recording_of(&table, Some(Axis::Roll), &mapped).unwrap();
         assert_eq!(turned.q.unwrap()[3], -9.0);
-        assert!(recording_of(&path, Some(Axis::Pitch), &mapped).is_err(), "there is no input of pitch");
+        assert!(recording_of(&table, Some(Axis::Pitch), &mapped).is_err(), "there is no input of pitch");
     }
 }

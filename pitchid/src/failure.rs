@@ -31,6 +31,11 @@ impl Failure {
         Self { message: message.into(), help: help.into(), excerpt: None }
     }
 
+    /// What to do.
+    pub fn help(&self) -> &str {
+        &self.help
+    }
+
     /// A file that could not be written.
     pub fn unwritable(file: &str, error: &std::io::Error) -> Self {
         let help = match error.kind() {

@@ -51,9 +51,14 @@ pub fn as_given(x: f64) -> String {
     if x != 0.0 && !(1e-4..LARGE).contains(&x.abs()) { format!("{x:e}") } else { format!("{x}") }
 }
 
+/// So many decimals, without a minus before a zero.
+pub fn fixed(x: f64, decimals: usize) -> String {
+    unsigned_zero(format!("{x:.decimals$}"))
+}
+
 /// Per cent with one decimal.
 pub fn percent(x: f64) -> String {
-    unsigned_zero(format!("{x:.1}"))
+    fixed(x, 1)
 }
 
 /// With its sign, one decimal.
@@ -69,6 +74,11 @@ pub fn in_unit(x: f64, symbol: &str) -> String {
 /// The unit as it follows a number: nothing for a pure number.
 pub fn unit(unit: &str) -> &str {
     if unit == "1" { "" } else { unit }
+}
+
+/// "1 sample", "2 samples".
+pub fn plural(count: u64, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Nobody wants to read "-0.0".
@@ -109,5 +119,7 @@ mod tests {
         assert_eq!(as_given(0.02639), "0.02639");
         assert_eq!(as_given(0.0), "0");
         assert_eq!(percent(-0.01), "0.0");
+        assert_eq!((fixed(-0.0001, 3), fixed(-1.5, 1)), ("0.000".into(), "-1.5".into()));
+        assert_eq!((plural(1, "row"), plural(0, "row")), ("1 row".into(), "0 rows".into()));
     }
 }

@@ -6,13 +6,16 @@
 mod axes;
 mod board;
 mod commands;
+mod export;
 mod failure;
 mod format;
+mod input;
 mod logs;
 mod output;
 mod progress;
 mod report;
 mod text;
+mod vehicle;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use benchmark::files::write_whole;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The name that stands for standard output.
 pub const STDOUT: &str = "-";
@@ -13,8 +14,28 @@ pub fn is_stdout(path: Option<&Path>) -> bool {
     path.is_some_and(|p| p == Path::new(STDOUT))
 }
 
-/// Prints to standard output. A reader that has gone away (`| head`) wants no more, which is no error.
+/// Whether nothing is wanted on the terminal but what was asked for by name.
+static QUIET: AtomicBool = AtomicBool::new(false);
+/// Whether standard output belongs to one answer.
+static TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// Silences [`print`] and progress; set once, before anything is printed.
+pub fn be_quiet(quiet: bool) {
+    QUIET.store(quiet, Ordering::Relaxed);
+}
+
+/// Whether they are silenced.
+pub fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Prints words to standard output; nothing with `--quiet`, or where an answer has standard output to itself.
 pub fn print(text: &str) -> Result<(), Failure> {
+    if is_quiet() || TAKEN.load(Ordering::Relaxed) { Ok(()) } else { print_asked(text) }
+}
+
+/// Prints what was asked for by name. A reader that has gone away (`| head`) wants no more, which is no error.
+pub fn print_asked(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -32,7 +53,7 @@ pub fn width() -> u16 {
 /// Writes a file, or standard output for `-`.
 pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     if is_stdout(Some(path)) {
-        return print(text);
+        return print_asked(text);
     }
     write_bytes(path, text.as_bytes())
 }
@@ -55,10 +76,20 @@ pub fn json(answer: &impl serde::Serialize) -> Result<String, Failure> {
 }
 
 /// Refuses, before any work is done, an output that is a folder, lies in no folder, or would overwrite an input or another output.
+/// One that is standard output has it to itself from now on.
 pub fn check<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &[&Path]) -> Result<(), Failure> {
+    let outputs: Vec<&Path> = outputs.into_iter().collect();
+    let on_stdout = outputs.iter().filter(|output| is_stdout(Some(output))).count();
+    if on_stdout > 1 {
+        return Err(Failure::new(
+            "- stands for standard output, which takes one answer",
+            "name files for the others",
+        ));
+    }
+    TAKEN.store(on_stdout == 1, Ordering::Relaxed);
     let mut taken: Vec<(PathBuf, &str)> =
         inputs.iter().filter_map(|i| Some((i.canonicalize().ok()?, "an input"))).collect();
-    for output in outputs.into_iter().filter(|o| !is_stdout(Some(o))) {
+    for output in outputs.into_iter().filter(|o| !is_stdout(Some(*o))) {
         let name = output.display();
         if output.is_dir() {
             return Err(Failure::new(format!("{name}: this is a directory"), "name a file inside it"));

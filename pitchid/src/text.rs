@@ -6,11 +6,14 @@ pub mod comparison;
 use crate::format;
 use crate::output::width;
 use crate::report::content::{CheckRows, Content, capitalised, plant_meaning};
-use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, presets};
 use std::fmt::Write as _;
 use sysid::diagnosis::questions::Question;
 use sysid::estimate::Estimate;
 use sysid::identify::compare::Identification;
+
+/// Longest name in the first column of a table that is not broken, columns of the terminal.
+const LONGEST_NAME: u16 = 24;
 
 /// A paragraph, wrapped to the terminal, every further line under the first.
 pub fn paragraph(text: &str) -> String {
@@ -20,7 +23,10 @@ pub fn paragraph(text: &str) -> String {
 /// A paragraph with a start of its own.
 pub fn indented(text: &str, first: &str, further: &str) -> String {
     let options = textwrap::Options::new(width().into()).initial_indent(first).subsequent_indent(further);
-    format!("{}\n", textwrap::fill(text, options))
+    // neither 4e-10 nor 33 % is torn apart
+    let options = options.word_splitter(textwrap::WordSplitter::NoHyphenation);
+    let whole = text.replace(" %", "\u{a0}%").replace(" = ", "\u{a0}= ");
+    format!("{}\n", textwrap::fill(&whole, options).replace('\u{a0}', " "))
 }
 
 /// A line with a blank line before it.
@@ -35,6 +41,10 @@ pub fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>, left:
     table.load_style(presets::NOTHING.header_separator(rule));
     table.set_content_arrangement(ContentArrangement::Dynamic);
     table.set_width(width()).set_header(header.to_vec()).add_rows(rows);
+    let name = table.column_max_content_widths().first().copied().unwrap_or(0);
+    if let Some(column) = table.column_mut(0).filter(|_| name <= LONGEST_NAME) {
+        column.set_constraint(ColumnConstraint::ContentWidth);
+    }
     for column in table.column_iter_mut().skip(left) {
         column.set_cell_alignment(CellAlignment::Right);
     }

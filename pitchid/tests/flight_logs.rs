@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 /// File, how it was written, and by which firmware.
 const LOGS: [(&str, &str, &str); 15] = [
     ("ardupilot/copter_3.1_mechanical_fail.log", "ArduPilot DataFlash, text", "ArduCopter V3.1"),
-    ("ardupilot/copter_3.6_quad_short.bin", "ArduPilot DataFlash", "firmware not told"),
+    ("ardupilot/copter_3.6_quad_short.bin", "ArduPilot DataFlash", "firmware unknown"),
     ("ardupilot/copter_4.6.2_head_80k.bin", "ArduPilot DataFlash", "ArduCopter V4.6.2"),
     ("ardupilot/sitl_copter_4.7_quad.BIN", "ArduPilot DataFlash", "ArduCopter V4.7.0"),
     ("betaflight/LOG00037.BFL", "blackbox", "Betaflight 4.2.0"),
     ("betaflight/bf4.2.11_bench_500Hz.bbl", "blackbox", "Betaflight 4.2.11"),
     ("betaflight/bf4.2.9_roma_f5_3flights.bbl", "blackbox", "Betaflight 4.2.9"),
     ("betaflight/btfl_002.bbl", "blackbox", "Betaflight 4.2.8"),
-    ("mavlink/copter_2016_flight.tlog", "MAVLink tlog", "firmware not told"),
+    ("mavlink/copter_2016_flight.tlog", "MAVLink tlog", "firmware unknown"),
     ("px4/quad_2016_auavx21_flight.ulg", "PX4 ULog", "PX4 (fd483321a5)"),
     ("px4/quad_2017_fmuv4pro_appended.ulg", "PX4 ULog", "PX4 v1.6.0"),
     ("px4/quad_v1.15.1_fmuv6c_brownout.ulg", "PX4 ULog", "PX4 v1.15.1"),

@@ -16,6 +16,7 @@ use campaign::fly_campaign;
 use std::path::Path;
 use study::study;
 use sysid::identify::compare::{Identification, Settings, identify, identify_on};
+use sysid::progress::Progress;
 use sysid::recording::Recording;
 
 /// Flies `seeds` campaigns of every condition, identifies them, and writes page, pictures and figures into `folder`,
@@ -28,12 +29,12 @@ pub fn paper(
     campaign: u8,
     seeds: u32,
     recordings: &[Recording],
-    say: &(dyn Fn(&str) + Sync),
+    say: &Progress<'_>,
 ) -> Result<(Paper, Option<Identification>), Error> {
     let conditions = [Condition::Nominal, Condition::Disturbed, Condition::Realistic];
     let studies = conditions.into_iter().map(|condition| study(condition, campaign, seeds, say));
     let paper = Paper { campaign, seeds, studies: studies.collect::<Result<_, _>>()? };
-    say("drawing the first realistic campaign");
+    say("drawing the first realistic campaign".into());
     let shown = fly_campaign(Condition::Realistic, campaign, 1)?;
     let found = identify_on(&shown.data, &shown.split, &shown.baseline, &Settings::default(), &|_| ())?;
     for (name, picture) in figures::all(&shown, &found) {
@@ -42,7 +43,7 @@ pub fn paper(
     let given = if recordings.is_empty() {
         None
     } else {
-        say("identifying the given recordings");
+        say("identifying the given recordings".into());
         Some(identify(recordings, None, &|_| ())?)
     };
     files::write(&folder.join("paper.json"), &files::json(&paper)?)?;

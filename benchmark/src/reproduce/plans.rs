@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use sysid::estimate::Estimate;
 use sysid::model::file::{Interval, ModelFile};
+use sysid::progress::{Counted as Parts, Progress};
 
 /// Mass and arm of the craft, kg and m: the paper's.
 const MASS_KG: f64 = 5.0;
@@ -65,16 +66,11 @@ pub struct Counted {
 ///
 /// # Errors
 /// A plan that could not be made, or a file that could not be written.
-pub fn plans(
-    folder: &Path,
-    crafts: u64,
-    seed: u64,
-    say: &(dyn Fn(&str) + Sync),
-) -> Result<[Counted; 2], Error> {
+pub fn plans(folder: &Path, crafts: u64, seed: u64, say: &Progress<'_>) -> Result<[Counted; 2], Error> {
     let unknown = Craft::of_size_and_mass(MASS_KG, ARM_M)?;
-    say("planning from size and mass");
+    say("planning from size and mass".into());
     let first = plan(&unknown, &wishes(seed, 0), None, &|_| ())?;
-    let done = std::sync::atomic::AtomicUsize::new(0);
+    let parts = Parts::new(say, "planning and flying", crafts as usize);
     let one = |k: u64| -> Result<[Flight; 2], Error> {
         let craft = CRAFTS + seed * 100_003 + k;
         let truth = unknown.drawn(craft);
@@ -85,8 +81,7 @@ pub fn plans(
         let known = Craft::of_model(identified(&real.model, &estimates), "identified")?;
         let second = plan(&known, &wishes(seed, 1 + k), None, &|_| ())?;
         let (again, _) = Real { seed: craft + CRAFTS, model: known.model, ..real }.fly(&second)?;
-        let count = 1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        say(&format!("planned and flown: {count} of {crafts}"));
+        parts.one();
         Ok([flown, again])
     };
     let flights: Vec<[Flight; 2]> = (0..crafts).into_par_iter().map(one).collect::<Result<_, Error>>()?;

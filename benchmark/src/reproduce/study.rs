@@ -7,11 +7,11 @@ use estimator_core::lms::LmsConfig;
 use host_sim::Plant;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::sync::atomic::{AtomicU32, Ordering};
 use sysid::identify::compare::{Settings, identify_on};
 use sysid::identify::fir::pieces;
 use sysid::identify::linear_model::LinearModel;
 use sysid::identify::lms::replay;
+use sysid::progress::{Counted, Progress};
 use sysid::validate::vaf::vaf;
 
 /// Everything that was computed.
@@ -72,17 +72,12 @@ pub struct ParameterErrors {
 }
 
 /// Runs all seeds on all cores; the answer does not depend on their number.
-pub fn study(
-    condition: Condition,
-    campaign: u8,
-    seeds: u32,
-    say: &(dyn Fn(&str) + Sync),
-) -> Result<Study, Error> {
-    let done = AtomicU32::new(0);
+pub fn study(condition: Condition, campaign: u8, seeds: u32, say: &Progress<'_>) -> Result<Study, Error> {
+    let what = format!("flying and identifying campaigns, {}", condition.told());
+    let counted = Counted::new(say, &what, seeds as usize);
     let one = |seed: u32| -> Result<SeedResult, Error> {
         let result = one_seed(condition, campaign, seed.into());
-        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-        say(&format!("{condition:?}: {count} of {seeds} campaigns flown and identified"));
+        counted.one();
         result
     };
     let seeds: Result<Vec<SeedResult>, Error> = (1..=seeds).into_par_iter().map(one).collect();

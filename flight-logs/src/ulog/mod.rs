@@ -36,7 +36,7 @@ pub(crate) fn read(source: &mut impl Read) -> Result<Log, Error> {
     let mut start = Vec::with_capacity(FLAGS_END);
     fill(source, &mut start, FLAGS_END)?;
     if start.len() < HEADER {
-        let found = format!("{} bytes", start.len());
+        let found = format!("a ULog that ends after {} bytes", start.len());
         return Err(
             Error::new(found, "log again: nothing was written").expecting("a ULog header of 16 bytes")
         );

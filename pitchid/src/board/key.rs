@@ -15,8 +15,7 @@ impl Key {
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let file = path.display();
         let advice = "the file holds the 32 bytes of the key as 64 hexadecimal digits";
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| Failure::new(format!("{file}: cannot be read: {error}"), advice))?;
+        let text = sysid::files::read_text(path, advice)?;
         Self::parse(text.trim()).ok_or_else(|| Failure::new(format!("{file}: this is no key"), advice))
     }
 

@@ -4,6 +4,7 @@
 
 use super::cycle::CycleReport;
 use crate::failure::Failure;
+use crate::format::plural;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -27,6 +28,15 @@ pub struct Log {
 }
 
 impl Log {
+    /// What was written, for people.
+    pub fn counted(&self) -> String {
+        let samples = plural(self.rows, "sample");
+        match self.lost {
+            0 => format!("{samples}, every cycle arrived"),
+            lost => format!("{samples}, {} did not arrive", plural(lost, "cycle")),
+        }
+    }
+
     /// Begins a recording.
     pub fn create(path: &Path, title: &str) -> Result<Self, Failure> {
         let file =
@@ -51,7 +61,7 @@ impl Log {
                 let lost = u64::from(report.tick.saturating_sub(last.tick)).saturating_sub(1);
                 if lost > 0 {
                     self.lost += lost;
-                    self.note(&format!("{lost} cycles did not arrive"))?;
+                    self.note(&format!("{} did not arrive", plural(lost, "cycle")))?;
                 }
             }
             Some((last, then)) => {

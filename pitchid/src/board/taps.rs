@@ -45,8 +45,7 @@ impl TapsFile {
     /// Reads and checks a file.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let name = path.display();
-        let text =
-            std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{name}: {error}"), HELP))?;
+        let text = sysid::files::read_text(path, HELP)?;
         let file: Self = serde_json::from_str(&text)
             .map_err(|error| Failure::new(format!("{name}: no taps: {error}"), HELP))?;
         let sound = file.schema == SCHEMA

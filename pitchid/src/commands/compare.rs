@@ -3,14 +3,16 @@
 use crate::axes::{AxisChoice, Readable};
 use crate::commands::reading::{model_at, options_with};
 use crate::failure::Failure;
-use crate::logs::{Source, TimeSpan, open};
-use crate::output;
+use crate::logs::{TimeSpan, open};
 use crate::progress::Progress;
-use crate::text::comparison::{AxisAnswer, text};
+use crate::text::comparison::{AxisAnswer, picture, text};
+use crate::vehicle::{Vehicle, Wanted};
+use crate::{input, output};
 use clap::Args;
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
 use sysid::compare::compare;
+use sysid::progress::Step;
 use sysid::recording::{ColumnMap, InputHold};
 
 /// Says what changed on a craft between two recordings or flight logs of it
@@ -21,15 +23,15 @@ use sysid::recording::{ColumnMap, InputHold};
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The recording (CSV) or flight log before
+    /// The recording (CSV) or flight log before; - is standard input, for one of the two
     before: PathBuf,
 
     /// The one after
     after: PathBuf,
 
     /// The axis [default: all that have an input and a rate]
-    #[arg(long, value_name = "AXIS", default_value = "all", hide_default_value = true)]
-    axis: AxisChoice,
+    #[arg(long, value_name = "AXIS")]
+    axis: Option<AxisChoice>,
 
     /// The simulation in use: gives the inertia, so that moments are in N m, and where the fits start
     #[arg(long, value_name = "MODEL.toml")]
@@ -44,8 +46,9 @@ pub struct Arguments {
     columns: Vec<ColumnMap>,
 
     /// The input between samples: held (a command) or interpolated (it was measured)
-    #[arg(long, value_name = "HOLD", default_value = "held", help_heading = "Reading")]
-    input: InputHold,
+    /// [default: held]
+    #[arg(long, value_name = "HOLD", help_heading = "Reading")]
+    input: Option<InputHold>,
 
     /// The part to use, in seconds of the own clock; given twice, of BEFORE and of AFTER
     #[arg(long, value_name = "FROM..TO", help_heading = "Reading", allow_hyphen_values = true)]
@@ -55,9 +58,16 @@ pub struct Arguments {
     #[arg(long, value_name = "N", help_heading = "Reading")]
     flight: Vec<usize>,
 
+    #[command(flatten)]
+    wanted: Wanted,
+
     /// Write the answer as JSON; - is standard output, which then carries nothing else
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
+
+    /// Draw how far each quantity moved, in half-widths of its 95 % interval
+    #[arg(long, value_name = "OUT.svg")]
+    plot: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -68,6 +78,7 @@ A craft that is the same gets a change told in one of a hundred comparisons of a
 
 Examples:
   pitchid compare monday.csv friday.csv
+  pitchid compare monday.csv friday.csv --plot changes.svg
   pitchid compare before.ulg after.ulg --axis roll --time 20..80 --time 15..75
   pitchid compare flight.bbl flight.bbl --flight 1 --flight 3 --json changes.json
 
@@ -75,24 +86,43 @@ Exit status: 0 compared, whatever it says; 2 the input could not be used.";
 
 /// Compares.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let vehicle = arguments.wanted.find()?;
+    let mut columns = arguments.columns.clone();
+    if let Some(vehicle) = &vehicle {
+        vehicle.say();
+        columns.extend(vehicle.columns_beside(&arguments.columns));
+    }
+    let vehicle = vehicle.as_ref();
+    let model = arguments.model.as_deref().or(vehicle.and_then(|vehicle| vehicle.model.as_deref()));
+    let choice = arguments.axis.or(vehicle.and_then(|vehicle| vehicle.axis)).unwrap_or(AxisChoice::All);
+    let input = arguments.input.or(vehicle.and_then(|vehicle| vehicle.input)).unwrap_or_default();
     let mut inputs = vec![arguments.before.as_path(), arguments.after.as_path()];
-    inputs.extend(arguments.model.as_deref());
-    output::check(arguments.json.as_deref(), &inputs)?;
+    inputs.extend(model);
+    let outputs = [&arguments.json, &arguments.plot];
+    output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
+    input::once([arguments.before.as_path(), arguments.after.as_path()])?;
     refuse_itself(arguments)?;
-    let options = options_with(arguments.input, &arguments.columns);
+    let options = options_with(input, &columns);
     let progress = Progress::start("reading");
-    let sides = [side(arguments, &arguments.before, 0)?, side(arguments, &arguments.after, 1)?];
-    let axes: Vec<Option<Axis>> = arguments.axis.wanted(&sides[0].axes(), &sides[1].axes());
+    let sides =
+        [side(arguments, &columns, &arguments.before, 0)?, side(arguments, &columns, &arguments.after, 1)?];
+    let axes: Vec<Option<Axis>> = choice.wanted(&sides[0].axes(), &sides[1].axes());
     let (mut answers, mut refusals) = (Vec::new(), Vec::new());
     for axis in axes {
         let read = |side: &Readable| side.recording(axis, &options);
         let pair = read(&sides[0]).and_then(|before| Ok([before, read(&sides[1])?]));
         match pair {
             Ok([before, after]) => {
-                let say = |what: &str| {
-                    progress.say(&axis.map_or(what.to_owned(), |axis| format!("{axis}: {what}")));
+                let say = |step: Step<'_>| {
+                    let what = axis.map_or(step.what.to_owned(), |axis| format!("{axis}: {}", step.what));
+                    progress.say(Step { what: &what, ..step });
                 };
-                let model = arguments.model.as_deref().map(|path| model_at(path, axis)).transpose()?;
+                let model = match model {
+                    Some(path) => Some(model_at(path, axis)?),
+                    // the inertia of one axis is none of another's
+                    None if choice.is_all() && axis.is_some() => None,
+                    None => vehicle.and_then(Vehicle::inertia_model).map(|(_, model)| model),
+                };
                 let found = compare(&[before], &[after], model.as_ref(), arguments.friction, &say)?;
                 answers.push(AxisAnswer::new(axis, found));
             }
@@ -102,27 +132,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     drop(progress);
     // an axis that cannot be read stands in nobody's way, unless it was asked for or there is no other
     if let Some(refusal) = refusals.into_iter().next()
-        && (answers.is_empty() || !arguments.axis.is_all())
+        && (answers.is_empty() || !choice.is_all())
     {
         return Err(refusal);
     }
-    match &arguments.json {
-        Some(path) => {
-            if !output::is_stdout(Some(path)) {
-                output::print(&text(&answers))?;
-            }
-            output::write(
-                path,
-                &output::json(&serde_json::json!({
-                    "schema": "pitchid.comparisons/1",
-                    "before": arguments.before.display().to_string(),
-                    "after": arguments.after.display().to_string(),
-                    "axes": answers,
-                }))?,
-            )
-        }
-        None => output::print(&text(&answers)),
+    output::print(&text(&answers))?;
+    if let Some(path) = &arguments.plot {
+        output::write(path, &picture(&answers))?;
     }
+    let Some(path) = &arguments.json else { return Ok(()) };
+    let answer = serde_json::json!({
+        "schema": "pitchid.comparisons/1",
+        "before": input::name_of(&arguments.before),
+        "after": input::name_of(&arguments.after),
+        "axes": answers,
+    });
+    output::write(path, &output::json(&answer)?)
 }
 
 /// Refuses the same part of the same file twice: it did not change.
@@ -142,9 +167,15 @@ fn refuse_itself(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// One of the two.
-fn side(arguments: &Arguments, path: &Path, place: usize) -> Result<Readable, Failure> {
+fn side(
+    arguments: &Arguments,
+    columns: &[ColumnMap],
+    path: &Path,
+    place: usize,
+) -> Result<Readable, Failure> {
     let time = arguments.time.get(place).or(arguments.time.last());
     let number = arguments.flight.get(place).or(arguments.flight.last()).copied();
-    let source = open(&[path.to_path_buf()], &arguments.columns)?.into_iter().next();
-    Readable::new(source.unwrap_or_else(|| Source::Recording(path.to_path_buf())), number, time)
+    let mut sources = open(&[path.to_path_buf()], columns)?;
+    // there is one for each file
+    Readable::new(sources.swap_remove(0), number, time)
 }

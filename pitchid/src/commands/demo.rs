@@ -33,6 +33,10 @@ pub struct Arguments {
     /// Folder for recording, model, report and truth
     #[arg(long, value_name = "DIR", default_value = "pitchid-demo")]
     out: PathBuf,
+
+    /// Write identification, diagnosis and truth as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -78,6 +82,7 @@ impl Files<'_> {
 /// Demonstrates.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = arguments.out.as_path();
+    output::check(arguments.json.as_deref(), &[])?;
     output::folder(folder)?;
     let files = Files(folder);
     let progress = Progress::start("concealing an effect and flying the test");
@@ -87,9 +92,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
     let path = files.named("recording.csv");
     let recording = [read(&path, &ReadOptions::default())?];
-    let identified = identify(&recording, Some(&model), &|what| progress.say(what))?;
-    progress.say("diagnosing");
-    let found = diagnose(&recording, Some(&model), &|what| progress.say(what))?;
+    let identified = identify(&recording, Some(&model), &|step| progress.say(step))?;
+    progress.say("diagnosing".into());
+    let found = diagnose(&recording, Some(&model), &|step| progress.say(step))?;
     drop(progress);
 
     let named = Some((files.named("model.toml").display().to_string(), model));
@@ -98,7 +103,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     write_answers(&files, &found, &content, &recording)?;
     output::print(&told(arguments, &recording[0], &identified, &content))?;
     output::print(&reveal::reveal(&files.named("truth.json"), &found.answer)?)?;
-    output::print(&format!("\nReport: {}\n", files.named("report.html").display()))
+    output::print(&format!("\nReport: {}\n", files.named("report.html").display()))?;
+    let Some(path) = &arguments.json else { return Ok(()) };
+    let answer = serde_json::json!({
+        "schema": "pitchid.demo/1",
+        "seed": arguments.seed,
+        "folder": folder.display().to_string(),
+        "identification": identified,
+        "diagnosis": found.answer,
+        "truth": reveal::truth(&files.named("truth.json"))?,
+    });
+    output::write(path, &output::json(&answer)?)
 }
 
 /// Draws a vehicle and an effect, flies the test, and leaves nothing behind but the files.

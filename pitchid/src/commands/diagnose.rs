@@ -1,6 +1,7 @@
 //! `pitchid diagnose`: what the model leaves out.
 
 use super::reading::{ByAxis, Reading};
+use crate::export::{self, Language};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::report::Report;
@@ -40,6 +41,10 @@ pub struct Arguments {
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
 
+    /// Draw the section that shows most: measured, the model before, the model after, and what each leaves over
+    #[arg(long, value_name = "OUT.svg")]
+    plot: Option<PathBuf>,
+
     /// Write each picture of the report as an SVG file into this folder, which is made where it is not there
     #[arg(long, value_name = "FOLDER")]
     pictures: Option<PathBuf>,
@@ -47,6 +52,11 @@ pub struct Arguments {
     /// Write the model with what was missing; `pitchid simulate --model` flies it
     #[arg(long, value_name = "EXTENDED.toml")]
     out_model: Option<PathBuf>,
+
+    /// Write the linear part of that model as a script with its state-space matrices and delay: .m for the Control System
+    /// Toolbox, .py for scipy and python-control
+    #[arg(long, value_name = "MODEL.m|py")]
+    export: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -61,6 +71,7 @@ Verdicts:
 Examples:
   pitchid diagnose flight.csv --model sim.toml --report flight.html --out-model extended.toml
   pitchid diagnose log.csv --column q_rad_s=gyro_y --section I=5..30 --section IV=65..90
+  pitchid diagnose flight.csv --plot flight.svg
   pitchid diagnose flight.ulg --axis roll --time 120..160
   pitchid diagnose flight.ulg --axis all --model vehicle.toml
   pitchid diagnose rig.csv --input interpolated --json - | jq .verdict
@@ -69,58 +80,59 @@ Exit status: 0 a diagnosis was made, whatever it says; 2 the input could not be 
 
 /// Diagnoses.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let outputs = [&arguments.json, &arguments.report, &arguments.out_model];
-    output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &arguments.reading.inputs())?;
-    if arguments.reading.all_axes() {
-        return all_axes(arguments);
+    let outputs =
+        [&arguments.json, &arguments.report, &arguments.plot, &arguments.out_model, &arguments.export];
+    arguments.export.as_deref().map(Language::of).transpose()?;
+    let reading = arguments.reading.resolved()?;
+    output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &reading.inputs())?;
+    if reading.all_axes() {
+        return all_axes(arguments, &reading);
     }
     if let Some(folder) = &arguments.pictures {
         output::folder(folder)?;
     }
-    let recordings = arguments.reading.recordings()?;
-    let model = arguments.reading.model()?;
+    let recordings = reading.recordings()?;
+    let model = reading.model()?;
     let progress = Progress::start("reading");
-    let mut found = diagnose(&recordings, model.as_ref().map(|(_, m)| m), &|what| progress.say(what))?;
+    let mut found = diagnose(&recordings, model.as_ref().map(|(_, m)| m), &|step| progress.say(step))?;
     drop(progress);
-    let axis = arguments.reading.axis().to_string();
+    let axis = reading.axis().to_string();
     found.answer.tell_of(&axis);
     let named = model.as_ref().map(|(name, m)| (name.as_str(), m));
-    let content = Content::new(&found.answer, &found.traces, arguments.reading.names(), named).of_axis(&axis);
-    let quiet = outputs.into_iter().any(|path| output::is_stdout(path.as_deref()));
-    if !quiet {
-        output::print(&text::diagnosis(&content))?;
-    }
-    let repeat = Repeat::of_this_run(&arguments.reading.inputs());
+    let content = Content::new(&found.answer, &found.traces, reading.names(), named).of_axis(&axis);
+    output::print(&text::diagnosis(&content))?;
+    let repeat = Repeat::of_this_run(&reading.inputs());
     let report = Report { content: &content, found: &found, recordings: &recordings, repeat };
-    let written = write(arguments, &report)?;
-    if quiet { Ok(()) } else { output::print(&written) }
+    output::print(&write(arguments, &report)?)
 }
 
 /// Diagnoses every axis, and what they share.
-fn all_axes(arguments: &Arguments) -> Result<(), Failure> {
-    if arguments.report.is_some() || arguments.pictures.is_some() {
+fn all_axes(arguments: &Arguments, reading: &Reading) -> Result<(), Failure> {
+    if arguments.report.is_some()
+        || arguments.pictures.is_some()
+        || arguments.plot.is_some()
+        || arguments.export.is_some()
+    {
         return Err(Failure::new(
-            "--axis all: a report and its pictures are of one axis",
+            "--axis all: a report, its pictures and a linear part are of one axis",
             "choose --axis roll, pitch or yaw for them",
         ));
     }
     let progress = Progress::start("reading");
-    let ByAxis { read, refused } = arguments.reading.recordings_by_axis()?;
+    let ByAxis { read, refused } = reading.recordings_by_axis()?;
     if read.is_empty()
         && let Some(refusal) = refused.into_iter().next()
     {
         return Err(refusal);
     }
     let with_model = |(axis, recordings): (Axis, Vec<Recording>)| {
-        let model = arguments.reading.model_of(Some(axis))?;
+        let model = reading.model_of(Some(axis))?;
         Ok(AxisRecordings { name: axis.to_string(), recordings, model })
     };
     let axes = read.into_iter().map(with_model).collect::<Result<Vec<AxisRecordings>, Failure>>()?;
-    let found = diagnose_axes(&axes, &|what| progress.say(what))?;
+    let found = diagnose_axes(&axes, &|step| progress.say(step))?;
     drop(progress);
-    if !output::is_stdout(arguments.json.as_deref()) {
-        output::print(&text::axes::diagnoses(&found))?;
-    }
+    output::print(&text::axes::diagnoses(&found))?;
     if let Some(path) = &arguments.out_model {
         let models: Vec<_> = found.axes.iter().map(|(axis, d)| (axis.as_str(), &d.model)).collect();
         output::write(path, &to_toml(&models)?)?;
@@ -150,8 +162,17 @@ fn write(arguments: &Arguments, report: &Report<'_>) -> Result<String, Failure> 
     if let Some(path) = &arguments.out_model {
         put("extended model", path, &found.model.to_toml()?)?;
     }
+    if let Some(path) = &arguments.export {
+        let unit = report.recordings.first().map_or("", |recording| recording.u_unit.symbol());
+        put("linear part", path, &export::script(&found.model, unit, Language::of(path)?)?)?;
+    }
     if let Some(path) = &arguments.report {
         put("report", path, &report.html())?;
+    }
+    if let Some(path) = &arguments.plot {
+        let help = "leave out --plot; --report says why";
+        let picture = report.picture().ok_or_else(|| Failure::new("there is nothing to draw", help))?;
+        put("picture", path, &picture)?;
     }
     if let Some(folder) = &arguments.pictures {
         for (name, svg) in report.pictures() {

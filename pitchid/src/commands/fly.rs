@@ -58,6 +58,10 @@ pub struct Arguments {
     /// Where the taps go
     #[arg(long, value_name = "TAPS.json")]
     taps: Option<PathBuf>,
+
+    /// Write how it ended as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -84,7 +88,8 @@ fn setting(text: &str) -> Result<(String, f32), String> {
 
 /// Flies.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let outputs = [Some(&arguments.out), arguments.taps.as_ref()].into_iter().flatten();
+    let outputs =
+        [Some(&arguments.out), arguments.taps.as_ref(), arguments.json.as_ref()].into_iter().flatten();
     let inputs: Vec<&Path> =
         arguments.monitor.iter().chain(&arguments.parameters).map(PathBuf::as_path).collect();
     output::check(outputs.map(PathBuf::as_path), &inputs)?;
@@ -267,9 +272,19 @@ fn conclude(
             Phase::Aborted => "broken off",
             _ => "the board was reset",
         };
-        let (rows, lost) = (log.rows, log.lost);
-        let out = arguments.out.display();
-        output::print(&format!("{out}: {rows} samples, {lost} cycles did not arrive; {end}\n"))?;
+        output::print(&format!("{}: {}; {end}\n", arguments.out.display(), log.counted()))?;
+        if let Some(path) = &arguments.json {
+            let answer = serde_json::json!({
+                "schema": "pitchid.flown/1",
+                "recording": arguments.out.display().to_string(),
+                "samples": log.rows,
+                "cycles_lost": log.lost,
+                "end": end,
+                "taps": taps,
+                "taps_verdict": last.verdict,
+            });
+            output::write(path, &output::json(&answer)?)?;
+        }
     }
     let Some(taps) = taps else { return output::print("taps: did not arrive\n") };
     let gain: f32 = taps.iter().sum();

@@ -2,14 +2,16 @@
 
 use super::reading::Reading;
 use crate::board::taps::TapsFile;
+use crate::export::{self, Language};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::report::identified;
 use crate::report::repeat::Repeat;
 use crate::{output, text};
 use clap::Args;
+use serde::Serialize;
 use std::path::PathBuf;
-use sysid::identify::compare::{Settings, identify_with};
+use sysid::identify::compare::{Identification, Settings, identify_with};
 use sysid::monitor::{Design, design};
 
 /// Identifies the pitch dynamics by every method and judges each on data that it has not seen
@@ -36,9 +38,18 @@ pub struct Arguments {
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
 
+    /// Draw gain, phase and coherence of the data, and every linear model beside them
+    #[arg(long, value_name = "OUT.svg")]
+    plot: Option<PathBuf>,
+
     /// Write the identified grey box as a model file
     #[arg(long, value_name = "OUT.toml")]
     out_model: Option<PathBuf>,
+
+    /// Write the identified grey box as a script with its state-space matrices and delay: .m for the Control System Toolbox,
+    /// .py for scipy and python-control
+    #[arg(long, value_name = "MODEL.m|py")]
+    export: Option<PathBuf>,
 
     /// Write what `pitchid monitor` and the board need to tell whether the craft still is what was identified
     #[arg(long, value_name = "OUT.toml")]
@@ -51,46 +62,70 @@ Examples:
   pitchid identify flight.bin --axis roll
   pitchid identify flight.csv --taps taps.json
   pitchid identify test1.csv test2.csv --out-model fitted.toml --json fitted.json
-  pitchid identify flight.csv --report flight.html
+  pitchid identify flight.csv --report flight.html --plot response.svg
+  pitchid identify flight.csv --export model.py
   pitchid identify flight.csv --monitor-out craft.toml
 
 Exit status: 0 identified; 2 the input could not be used.";
 
 /// Identifies.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let outputs = [&arguments.json, &arguments.report, &arguments.out_model, &arguments.monitor_out];
-    let mut inputs = arguments.reading.inputs();
+    let outputs = [
+        &arguments.json,
+        &arguments.report,
+        &arguments.plot,
+        &arguments.out_model,
+        &arguments.export,
+        &arguments.monitor_out,
+    ];
+    let reading = arguments.reading.resolved()?;
+    let mut inputs = reading.inputs();
     inputs.extend(arguments.taps.as_deref());
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
-    let recordings = arguments.reading.recordings()?;
-    let model = arguments.reading.model()?;
+    let language = arguments.export.as_deref().map(Language::of).transpose()?;
+    let recordings = reading.recordings()?;
+    let model = reading.model()?;
     let on_board = arguments.taps.as_deref().map(TapsFile::read).transpose()?.map(|file| file.on_board());
     let settings = Settings { on_board, ..Settings::default() };
     let progress = Progress::start("reading");
     let model = model.as_ref().map(|(_, m)| m);
-    let found = identify_with(&recordings, model, &settings, &|what| progress.say(what))?;
+    let found = identify_with(&recordings, model, &settings, &|step| progress.say(step))?;
     drop(progress);
-    if !outputs.into_iter().any(|path| output::is_stdout(path.as_deref())) {
-        output::print(&text::identification(&found))?;
-    }
+    output::print(&text::identification(&found))?;
     if let Some(path) = &arguments.report {
         let repeat = Repeat::of_this_run(&inputs);
         output::write(path, &identified::page(&found, &recordings, &repeat))?;
     }
+    if let Some(path) = &arguments.plot {
+        let help = "there are too few samples for a response; leave out --plot";
+        let chart = identified::responses(&found, &recordings);
+        let chart = chart.ok_or_else(|| Failure::new("there is nothing to draw", help))?;
+        output::write(path, &chart.file(900))?;
+    }
     if let Some(path) = &arguments.out_model {
         output::write(path, &found.model.to_toml()?)?;
+    }
+    if let Some((path, language)) = arguments.export.as_deref().zip(language) {
+        let unit = recordings.first().map_or("", |recording| recording.u_unit.symbol());
+        output::write(path, &export::script(&found.model, unit, language)?)?;
     }
     if let Some(path) = &arguments.monitor_out {
         let made = design(&recordings, model)?;
         output::write(path, &made.to_toml()?)?;
-        if !output::is_stdout(Some(path)) && !output::is_stdout(arguments.json.as_deref()) {
-            output::print(&format!("\n{}", text::paragraph(&monitor_told(&made))))?;
-        }
+        output::print(&format!("\n{}", text::paragraph(&monitor_told(&made))))?;
     }
     if let Some(path) = &arguments.json {
-        output::write(path, &output::json(&found)?)?;
+        output::write(path, &output::json(&Answer { schema: "pitchid.identification/1", found: &found })?)?;
     }
     Ok(())
+}
+
+/// The answer as JSON.
+#[derive(Serialize)]
+struct Answer<'a> {
+    schema: &'static str,
+    #[serde(flatten)]
+    found: &'a Identification,
 }
 
 /// What the monitor is, in words.

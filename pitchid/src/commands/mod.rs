@@ -5,6 +5,7 @@ mod compare;
 mod convert;
 mod demo;
 mod diagnose;
+mod doctor;
 mod effect_spec;
 mod fly;
 mod identify;
@@ -19,6 +20,7 @@ mod show;
 mod simulate;
 
 use crate::failure::Failure;
+use crate::output;
 use clap::{Parser, Subcommand};
 
 /// Finds out what the model of a vehicle's pitch axis leaves out: locates it, names it, adds it to the model, and shows what
@@ -28,6 +30,10 @@ use clap::{Parser, Subcommand};
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
+
+    /// Print no progress, and no words beside what goes to - or a file; what is wrong is said all the same
+    #[arg(long, short, global = true)]
+    quiet: bool,
 }
 
 const AFTER_HELP: &str = "\
@@ -40,6 +46,7 @@ Examples:
   pitchid monitor flight.csv --monitor craft.toml     is the craft still what it was, and if not, what changed
   pitchid plan --mass 5 --arm 0.415 --out bench       the first experiment, before it is flown
   pitchid convert flight.ulg roll.csv --axis roll     a log's axis as a table
+  pitchid doctor flight.ulg                           why a log fails, and what to do
   pitchid reproduce paper --seeds 20
   pitchid simulate --effect coulomb_friction:Mc=0.1 --out friction.csv
   pitchid prove                                       conceal, seal, diagnose, count: how often it is right
@@ -58,6 +65,7 @@ enum Command {
     Convert(convert::Arguments),
     Demo(demo::Arguments),
     Diagnose(diagnose::Arguments),
+    Doctor(doctor::Arguments),
     Fly(fly::Arguments),
     Identify(identify::Arguments),
     Man(shell::Man),
@@ -75,12 +83,14 @@ enum Command {
 /// # Errors
 /// Input that cannot be used, with a message for people.
 pub fn run(cli: Cli) -> Result<(), Failure> {
+    output::be_quiet(cli.quiet);
     match cli.command {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Fly(arguments) => fly::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Man(arguments) => shell::man(&arguments),

@@ -2,6 +2,7 @@
 
 use super::reading::Reading;
 use crate::failure::Failure;
+use crate::format::fixed;
 use crate::{output, text};
 use chart::{Axis, Chart, Panel, Series, Shape, Tone};
 use clap::Args;
@@ -56,7 +57,8 @@ const SHOWN: f32 = 0.5;
 /// Monitors.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let outputs = [&arguments.json, &arguments.plot];
-    let mut inputs = arguments.reading.inputs();
+    let reading = arguments.reading.resolved()?;
+    let mut inputs = reading.inputs();
     inputs.push(&arguments.monitor);
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
     if arguments.reading.has_model() {
@@ -69,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Failure::new(error.to_string(), "choose a --run-length within it")
     };
     let monitor = config.build(&model).map_err(refuse)?;
-    let data = Dataset::at_step(&arguments.reading.recordings()?, step)?;
+    let data = Dataset::at_step(&reading.recordings()?, step)?;
     if let Some(run) = data.runs.iter().find(|run| (run.step / step - 1.0).abs() > 0.02) {
         return Err(Failure::new(
             format!(
@@ -81,10 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let runs = replay(&monitor, &data);
     let events: Vec<Vec<Event>> = runs.iter().map(|rows| events(rows)).collect();
-    let quiet = outputs.into_iter().any(|path| output::is_stdout(path.as_deref()));
-    if !quiet {
-        output::print(&told(&runs, &events))?;
-    }
+    output::print(&told(&runs, &events))?;
     if let Some(path) = &arguments.plot {
         output::write(path, &picture(&runs))?;
     }
@@ -168,9 +167,9 @@ fn told(runs: &[Vec<Row>], events: &[Vec<Event>]) -> String {
     let mut told = String::new();
     for (rows, events) in runs.iter().zip(events) {
         let (Some(first), Some(last)) = (rows.first(), rows.last()) else { continue };
-        told += &text::heading(&format!("{:.1} to {:.1} s", first.t, last.t));
+        told += &text::heading(&format!("{} to {} s", fixed(first.t, 1), fixed(last.t, 1)));
         for event in events {
-            told += &format!("{:9.1} s  {}\n", event.t, event.words());
+            told += &format!("{:>9} s  {}\n", fixed(event.t, 1), event.words());
         }
         let mut most: Vec<_> = Cause::ALL.iter().zip(most(rows)).collect();
         most.sort_by(|a, b| b.1.total_cmp(&a.1));

@@ -123,12 +123,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (craft, rivals) = rivals::asked(arguments, craft, &wishes)?;
     let planned = plan(&craft, &wishes, rivals.as_ref(), &|what| progress.say(what))?;
     drop(progress);
-    let quiet = output::is_stdout(arguments.json.as_deref());
-    if !quiet {
-        output::print(&words::text(&planned, &wishes))?;
-    }
-    let written = write(arguments, &planned, &wishes, &craft, &inputs)?;
-    if quiet { Ok(()) } else { output::print(&written) }
+    output::print(&words::text(&planned, &wishes))?;
+    output::print(&write(arguments, &planned, &wishes, &craft, &inputs)?)
 }
 
 fn craft(arguments: &Arguments) -> Result<Craft, Failure> {

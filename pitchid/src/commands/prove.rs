@@ -1,12 +1,13 @@
 //! `pitchid prove`: the proof that anyone can repeat.
 
 use crate::failure::Failure;
+use crate::progress::Progress;
 use crate::{output, text};
-use benchmark::Proof;
+use benchmark::{Proof, Table};
 use clap::Args;
 use host_sim::Air;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
+use sysid::progress::{Counted, Step};
 
 /// Conceals physics in many simulated vehicles, seals the truth, diagnoses, and counts what was found
 ///
@@ -40,6 +41,10 @@ pub struct Arguments {
     /// Cases at a time; all cores without it. The results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=256))]
     jobs: Option<u64>,
+
+    /// Write the tables as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -58,15 +63,26 @@ Exit status: 0 the proof was made, however it came out; 2 the arguments or the f
 
 /// Proves.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { cases, seed, air, ref out, resume, jobs } = *arguments;
+    let Arguments { cases, seed, air, ref out, resume, jobs, ref json } = *arguments;
+    output::check(json.as_deref(), &[])?;
     let proof = Proof::open(out, seed, cases, air, resume)?;
     let jobs = jobs.map_or(0, |jobs| jobs as usize);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     let pool = pool.map_err(|e| Failure::new(format!("no threads: {e}"), "ask for fewer --jobs"))?;
-    pool.install(|| prove(&proof, cases))
+    let tables = pool.install(|| prove(&proof, cases))?;
+    let Some(path) = json else { return Ok(()) };
+    let answer = serde_json::json!({
+        "schema": "pitchid.proof/1",
+        "cases": cases,
+        "seed": seed,
+        "air": air.to_string(),
+        "folder": out.display().to_string(),
+        "tables": tables,
+    });
+    output::write(path, &output::json(&answer)?)
 }
 
-fn prove(proof: &Proof, cases: u64) -> Result<(), Failure> {
+fn prove(proof: &Proof, cases: u64) -> Result<Vec<Table>, Failure> {
     let seals = counted(cases, "concealing", |done| proof.seal(done))?;
     output::print(&format!("Sealed, SHA-256 of each truth:\n{seals}\n"))?;
     counted(cases, "diagnosing", |done| proof.diagnose(done))?;
@@ -75,20 +91,18 @@ fn prove(proof: &Proof, cases: u64) -> Result<(), Failure> {
         let rows = text::table(&table.header, table.short_rows(), 1);
         output::print(&format!("{}\n{rows}\n", table.title))?;
     }
-    output::print(&format!("Report: {}\n", proof.report().display()))
+    output::print(&format!("Report: {}\n", proof.report().display()))?;
+    Ok(tables)
 }
 
 /// Does a step of all cases, and says on standard error how far it is.
 fn counted<T>(
     cases: u64,
-    what: &'static str,
+    what: &str,
     step: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, benchmark::Error>,
 ) -> Result<T, Failure> {
-    let bar = ProgressBar::new(cases).with_message(what);
-    if let Ok(style) = ProgressStyle::with_template("{msg:20} {wide_bar} {pos}/{len} {elapsed}, {eta} left") {
-        bar.set_style(style);
-    }
-    let done = step(&|| bar.inc(1));
-    bar.finish_and_clear();
-    Ok(done?)
+    let progress = Progress::start(what);
+    let say = |step: Step<'_>| progress.say(step);
+    let counted = Counted::new(&say, what, cases as usize);
+    Ok(step(&|| counted.one())?)
 }

@@ -2,7 +2,9 @@
 
 use crate::axes::{AxisChoice, Readable};
 use crate::failure::Failure;
+use crate::input;
 use crate::logs::{TimeSpan, open};
+use crate::vehicle::{Vehicle, Wanted};
 use clap::Args;
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
@@ -11,9 +13,9 @@ use sysid::model::file::ModelFile;
 use sysid::recording::{ColumnMap, InputHold, ReadOptions, Recording, SectionSpec, read};
 
 /// Which recordings, and how they are to be read.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Reading {
-    /// Recordings (CSV) or flight logs of one vehicle; several are one data set
+    /// Recordings (CSV) or flight logs of one vehicle; several are one data set; - is standard input
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
 
@@ -43,8 +45,9 @@ pub struct Reading {
     splits: Vec<f64>,
 
     /// The input between samples: held (a command) or interpolated (it was measured)
-    #[arg(long, value_name = "HOLD", default_value = "held", help_heading = "Reading")]
-    input: InputHold,
+    /// [default: held]
+    #[arg(long, value_name = "HOLD", help_heading = "Reading")]
+    input: Option<InputHold>,
 
     /// The axis of a flight log, or of a recording with columns of several [default: pitch]
     #[arg(long, value_name = "AXIS", help_heading = "Reading")]
@@ -57,6 +60,12 @@ pub struct Reading {
     /// Which flight of a log that holds several, counted from 1
     #[arg(long, value_name = "N", help_heading = "Flight logs")]
     flight: Option<usize>,
+
+    #[command(flatten)]
+    wanted: Wanted,
+
+    #[arg(skip)]
+    vehicle: Option<Vehicle>,
 }
 
 /// The recordings of each axis that could be read, and why others could not.
@@ -69,11 +78,41 @@ pub struct ByAxis {
 }
 
 impl Reading {
+    /// The same with what the vehicle's file says of what the command line leaves open.
+    pub fn resolved(&self) -> Result<Self, Failure> {
+        let mut all = self.clone();
+        let Some(vehicle) = self.wanted.find()? else { return Ok(all) };
+        vehicle.say();
+        all.columns.extend(vehicle.columns_beside(&self.columns));
+        if self.sections.is_empty() && self.splits.is_empty() {
+            all.sections.clone_from(&vehicle.sections);
+        }
+        all.axis = self.axis.or(vehicle.axis);
+        all.input = self.input.or(vehicle.input);
+        all.model = self.model.clone().or_else(|| vehicle.model.clone());
+        all.vehicle = Some(vehicle);
+        Ok(all)
+    }
+
+    /// Reads one axis of a source.
+    fn read(
+        &self,
+        source: &Readable,
+        axis: Option<Axis>,
+        options: &ReadOptions,
+    ) -> Result<Recording, Failure> {
+        let mut recording = source.recording(axis, options)?;
+        if let Some(vehicle) = &self.vehicle {
+            vehicle.complete(&mut recording);
+        }
+        Ok(recording)
+    }
+
     /// Reads all recordings, and makes recordings of flight logs, of one axis.
     pub fn recordings(&self) -> Result<Vec<Recording>, Failure> {
         let axis = self.axis.map(AxisChoice::single).transpose()?;
         let options = self.options();
-        self.sources()?.iter().map(|source| source.recording(axis, &options)).collect()
+        self.sources()?.iter().map(|source| self.read(source, axis, &options)).collect()
     }
 
     /// The axis that is meant, where it is one.
@@ -92,7 +131,7 @@ impl Reading {
         let axes: Vec<Vec<Axis>> = sources.iter().map(Readable::axes).collect();
         let mut all = ByAxis::default();
         for axis in Axis::ALL.into_iter().filter(|axis| axes.iter().all(|own| own.contains(axis))) {
-            let read = sources.iter().map(|source| source.recording(Some(axis), &options));
+            let read = sources.iter().map(|source| self.read(source, Some(axis), &options));
             match read.collect::<Result<Vec<Recording>, Failure>>() {
                 Ok(recordings) => all.read.push((axis, recordings)),
                 Err(refusal) => all.refused.push(refusal),
@@ -116,15 +155,17 @@ impl Reading {
         ReadOptions {
             splits: self.splits.clone(),
             sections: self.sections.clone(),
-            ..options_with(self.input, &self.columns)
+            ..options_with(self.input.unwrap_or_default(), &self.columns)
         }
     }
 
     /// Reads the user's model of the axis that is meant, with its name.
     pub fn model(&self) -> Result<Option<(String, ModelFile)>, Failure> {
         let axis = self.axis.and_then(AxisChoice::one);
-        let named = |path: &PathBuf| Ok((path.display().to_string(), model_at(path, axis)?));
-        self.model.as_ref().map(named).transpose()
+        match &self.model {
+            Some(path) => Ok(Some((path.display().to_string(), model_at(path, axis)?))),
+            None => Ok(self.vehicle.as_ref().and_then(Vehicle::inertia_model)),
+        }
     }
 
     /// Reads the user's model of an axis.
@@ -139,12 +180,13 @@ impl Reading {
 
     /// Names of the recordings.
     pub fn names(&self) -> Vec<String> {
-        self.recordings.iter().map(|path| path.display().to_string()).collect()
+        self.recordings.iter().map(|path| input::name_of(path)).collect()
     }
 
     /// All files that are read.
     pub fn inputs(&self) -> Vec<&Path> {
-        self.recordings.iter().chain(&self.model).map(PathBuf::as_path).collect()
+        let vehicle = self.vehicle.as_ref().map(|vehicle| &vehicle.path);
+        self.recordings.iter().chain(&self.model).chain(vehicle).map(PathBuf::as_path).collect()
     }
 }
 

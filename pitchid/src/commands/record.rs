@@ -25,6 +25,10 @@ pub struct Arguments {
     /// End after this long
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
+
+    /// Write what is said at the end as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -37,7 +41,7 @@ Exit status: 0 recorded; 2 the line could not be opened, the file not be written
 
 /// Records.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    output::check([arguments.out.as_path()], &[])?;
+    output::check(std::iter::once(&arguments.out).chain(&arguments.json).map(PathBuf::as_path), &[])?;
     let stop = Stop::on_ctrl_c()?;
     let mut station = arguments.line.open()?;
     station.record(Log::create(&arguments.out, "pitchid record")?, false);
@@ -57,5 +61,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         ));
     };
     log.flush()?;
-    output::print(&format!("{out}: {} samples, {} cycles did not arrive\n", log.rows, log.lost))
+    output::print(&format!("{out}: {}\n", log.counted()))?;
+    let Some(path) = &arguments.json else { return Ok(()) };
+    let answer = serde_json::json!({
+        "schema": "pitchid.recorded/1",
+        "recording": out.to_string(),
+        "samples": log.rows,
+        "cycles_lost": log.lost,
+    });
+    output::write(path, &output::json(&answer)?)
 }

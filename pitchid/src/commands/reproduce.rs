@@ -10,8 +10,9 @@ use crate::progress::Progress;
 use crate::{output, text};
 use benchmark::reproduce::{Paper, page, paper};
 use clap::{Args, Subcommand};
+use serde_json::json;
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use sysid::identify::compare::Identification;
 
 /// Repeats a published experiment in the simulator, or runs public benchmarks
@@ -52,6 +53,10 @@ struct PaperArguments {
     /// Folder for the page, its pictures and the figures as JSON
     #[arg(long, value_name = "DIR", default_value = "pitchid-paper")]
     out: PathBuf,
+
+    /// Write the figures as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -81,15 +86,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn run_paper(arguments: &PaperArguments) -> Result<(), Failure> {
     let folder = arguments.out.as_path();
+    let inputs: Vec<&Path> = arguments.recordings.iter().map(PathBuf::as_path).collect();
+    output::check(arguments.json.as_deref(), &inputs)?;
     output::folder(folder)?;
     let recordings =
         arguments.recordings.iter().map(|path| read_plain(path)).collect::<Result<Vec<_>, _>>()?;
     let progress = Progress::start("flying and identifying");
     let PaperArguments { campaign, seeds, .. } = *arguments;
-    let (paper, given) = paper(folder, campaign, seeds, &recordings, &|what| progress.say(what))?;
+    let (paper, given) = paper(folder, campaign, seeds, &recordings, &|step| progress.say(step))?;
     drop(progress);
     output::print(&told(&paper, given.as_ref()))?;
-    output::print(&format!("\nPage: {}\n", folder.join("paper.md").display()))
+    output::print(&format!("\nPage: {}\n", folder.join("paper.md").display()))?;
+    let Some(path) = &arguments.json else { return Ok(()) };
+    let answer = json!({ "schema": "pitchid.paper/1", "simulated": paper, "given": given });
+    output::write(path, &output::json(&answer)?)
 }
 
 fn told(paper: &Paper, given: Option<&Identification>) -> String {

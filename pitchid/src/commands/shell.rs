@@ -32,7 +32,7 @@ pub struct Man {
 pub fn completions(arguments: &Completions) -> Result<(), Failure> {
     let mut text = Vec::new();
     clap_complete::generate(arguments.shell, &mut Cli::command(), "pitchid", &mut text);
-    output::print(&String::from_utf8_lossy(&text))
+    output::print_asked(&String::from_utf8_lossy(&text))
 }
 
 /// Prints a manual page.
@@ -56,5 +56,5 @@ pub fn man(arguments: &Man) -> Result<(), Failure> {
     let rendered = clap_mangen::Man::new(page).render(&mut text);
     rendered
         .map_err(|error| Failure::new(format!("the page could not be made: {error}"), "ask for --help"))?;
-    output::print(&String::from_utf8_lossy(&text))
+    output::print_asked(&String::from_utf8_lossy(&text))
 }

@@ -1,6 +1,6 @@
 //! `pitchid show`: what a log holds, before any fit.
 
-mod content;
+pub mod content;
 mod page;
 mod words;
 
@@ -23,7 +23,7 @@ use sysid::recording::ReadOptions;
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Flight logs or recordings
+    /// Flight logs or recordings; - is standard input
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
 
@@ -39,22 +39,37 @@ pub struct Arguments {
     #[arg(long, value_name = "FROM..TO", allow_hyphen_values = true)]
     time: Option<TimeSpan>,
 
-    /// Print JSON instead, with the fields of all topics
-    #[arg(long)]
-    json: bool,
+    /// Write what is shown as JSON, with the fields of all topics; without a name, and for -, to standard output, which then
+    /// carries nothing else
+    #[arg(long, value_name = "OUT.json", num_args = 0..=1, default_missing_value = "-", value_parser = json_file)]
+    json: Option<PathBuf>,
 
     /// Write a page with pictures: one HTML file that needs nothing else
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
+
+    /// Draw input, rate and angle over time, of the axis that moves most
+    #[arg(long, value_name = "OUT.svg")]
+    plot: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
 Examples:
   pitchid show flight.ulg
   pitchid show blackbox.bbl --flight 2 --axis roll --report flight.html
+  pitchid show flight.ulg --axis pitch --plot pitch.svg
   pitchid show 00000012.BIN --json | jq '.[0].axes[1].settings'
 
 Exit status: 0 it was read, whatever it holds; 2 the input could not be used.";
+
+/// The name behind `--json`: a log that stands there by mistake must not be overwritten.
+fn json_file(name: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(name);
+    if output::is_stdout(Some(&path)) || path.extension().is_some_and(|end| end == "json") {
+        return Ok(path);
+    }
+    Err("a name that ends with .json, or -, belongs here; put --json behind the logs".to_owned())
+}
 
 /// A recording, by axis where it has columns of several.
 fn of_table(table: &Readable, axis: Option<Axis>) -> Result<Vec<Shown>, Failure> {
@@ -75,7 +90,8 @@ fn of_table(table: &Readable, axis: Option<Axis>) -> Result<Vec<Shown>, Failure>
 /// Shows.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs: Vec<&Path> = arguments.logs.iter().map(PathBuf::as_path).collect();
-    output::check(arguments.report.as_deref(), &inputs)?;
+    let outputs = [&arguments.json, &arguments.report, &arguments.plot];
+    output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
     let axes: Vec<Axis> = arguments.axis.map_or(Axis::ALL.to_vec(), |axis| vec![axis.into()]);
     let mut shown = Vec::new();
     for source in open(&arguments.logs, &[])? {
@@ -96,20 +112,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         }
     }
-    let text = if arguments.json { output::json(&shown)? } else { words::text(&shown) };
-    let on_stdout = output::is_stdout(arguments.report.as_deref());
-    if !on_stdout {
-        output::print(&text)?;
+    output::print(&words::text(&shown))?;
+    if let Some(path) = &arguments.json {
+        output::write(path, &output::json(&shown)?)?;
     }
-    match &arguments.report {
-        Some(path) => {
-            output::write(path, &page::page(&shown))?;
-            if on_stdout || arguments.json {
-                Ok(())
-            } else {
-                output::print(&format!("\nreport: {}\n", path.display()))
-            }
-        }
-        None => Ok(()),
+    if let Some(path) = &arguments.report {
+        output::write(path, &page::page(&shown))?;
+        output::print(&format!("\nreport: {}\n", path.display()))?;
     }
+    if let Some(path) = &arguments.plot {
+        let help = "pitchid show tells what is in the log; choose --axis or --time";
+        let picture = page::plot(&shown).ok_or_else(|| Failure::new("there is no motion to draw", help))?;
+        output::write(path, &picture)?;
+        output::print(&format!("\npicture: {}\n", path.display()))?;
+    }
+    Ok(())
 }

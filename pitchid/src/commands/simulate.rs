@@ -8,6 +8,7 @@ use estimator_core::Phase;
 use experiment::vehicle::{plant, settings};
 use host_sim::effects::{Entry, Parameter};
 use host_sim::{Air, Background, CATALOGUE, Flight, OUTSIDE, Scenario, UNTOUCHED, fly};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use sysid::catalogue::model_file::read_model;
 
@@ -53,6 +54,10 @@ pub struct Arguments {
     /// Where the truth goes
     #[arg(long, value_name = "TRUTH.json")]
     truth: Option<PathBuf>,
+
+    /// Write what is printed as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
 }
 
 /// Size of the background moment.
@@ -116,7 +121,7 @@ fn parameter(p: &Parameter) -> String {
 
 /// Simulates.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let outputs = [Some(&arguments.out), arguments.truth.as_ref()];
+    let outputs = [Some(&arguments.out), arguments.truth.as_ref(), arguments.json.as_ref()];
     let inputs: Vec<&Path> = arguments.model.iter().map(PathBuf::as_path).collect();
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
     let flight = fly(&scenario(arguments)?)?;
@@ -124,10 +129,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.truth {
         output::write(path, &output::json(&flight.truth)?)?;
     }
-    if outputs.into_iter().flatten().any(|path| output::is_stdout(Some(path))) {
-        return Ok(());
+    let flown = Flown::new(arguments, &flight);
+    if let Some(path) = &arguments.json {
+        output::write(path, &output::json(&flown)?)?;
     }
-    output::print(&told(arguments, &flight))
+    output::print(&flown.told())
 }
 
 fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
@@ -147,22 +153,57 @@ fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
     Ok(scenario)
 }
 
-fn told(arguments: &Arguments, flight: &Flight) -> String {
-    let seconds = flight.rows.last().map_or(0.0, |row| row.t_s);
-    let overridden = flight.rows.iter().filter(|row| row.supervised).count();
-    let share = 100.0 * overridden as f64 / flight.rows.len().max(1) as f64;
-    let end = match flight.outcome {
-        Phase::Aborted { cause } => format!("broken off by the supervisor: {cause}"),
-        _ => "finished".into(),
-    };
-    format!(
-        "{}: campaign {}, amplitude {} rad, seed {}; {seconds:.1} s, {} samples, {share:.1} % overridden by the supervisor; {end}\n",
-        arguments.out.display(),
-        arguments.campaign,
-        arguments.amplitude,
-        arguments.seed,
-        flight.rows.len(),
-    )
+/// What was flown.
+#[derive(Serialize)]
+struct Flown {
+    schema: &'static str,
+    recording: String,
+    campaign: u8,
+    amplitude_rad: f64,
+    seed: u64,
+    seconds: f64,
+    samples: usize,
+    overridden_percent: f64,
+    outcome: String,
+}
+
+impl Flown {
+    fn new(arguments: &Arguments, flight: &Flight) -> Self {
+        let overridden = flight.rows.iter().filter(|row| row.supervised).count();
+        Self {
+            schema: "pitchid.simulation/1",
+            recording: arguments.out.display().to_string(),
+            campaign: arguments.campaign,
+            // as it was written, not as the nearest f32
+            amplitude_rad: arguments.amplitude.to_string().parse().unwrap_or(arguments.amplitude.into()),
+            seed: arguments.seed,
+            seconds: flight.rows.last().map_or(0.0, |row| row.t_s),
+            samples: flight.rows.len(),
+            overridden_percent: 100.0 * overridden as f64 / flight.rows.len().max(1) as f64,
+            outcome: match flight.outcome {
+                Phase::Aborted { cause } => format!("broken off by the supervisor: {cause}"),
+                _ => "finished".into(),
+            },
+        }
+    }
+
+    fn told(&self) -> String {
+        let Self {
+            recording,
+            campaign,
+            amplitude_rad,
+            seed,
+            seconds,
+            samples,
+            overridden_percent,
+            outcome,
+            ..
+        } = self;
+        format!(
+            "{recording}: campaign {campaign}, amplitude {amplitude_rad} rad, seed {seed}; {seconds:.1} s, {samples} samples, \
+             {overridden_percent:.1} % overridden by the supervisor; {outcome}\n"
+        )
+    }
 }
 
 #[cfg(test)]

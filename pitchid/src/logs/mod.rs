@@ -2,16 +2,19 @@
 
 pub mod align;
 pub mod excitation;
+mod foreign;
 pub mod recording;
 
 use crate::failure::Failure;
+use crate::input;
 use clap::ValueEnum;
 use flight_logs::axes::Axis;
 use flight_logs::{Format, Log, sniff};
-use std::io::Read;
+use std::io::{Chain, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use sysid::recording::{ColumnMap, SectionSpec};
+use sysid::files;
+use sysid::recording::{ColumnMap, SectionSpec, as_csv};
 
 /// Bytes of a file that tell what it is.
 const HEAD: u64 = 1 << 16;
@@ -73,10 +76,18 @@ pub struct Flight {
     pub log: Log,
 }
 
+/// A recording as CSV. It stays in memory, as a pipe can be read only once.
+pub struct Table {
+    /// What messages call it.
+    pub name: String,
+    /// The whole text.
+    pub text: Vec<u8>,
+}
+
 /// What a file turned out to be.
 pub enum Source {
-    /// A CSV file in the project's format, or what is to be refused as such.
-    Recording(PathBuf),
+    /// A table in the project's format, or what is to be refused as such.
+    Recording(Table),
     /// The flights in a log.
     Log(Vec<Flight>),
 }
@@ -85,37 +96,54 @@ pub enum Source {
 ///
 /// A map to `t_s` says that a CSV file is a recording.
 pub fn open(paths: &[PathBuf], columns: &[ColumnMap]) -> Result<Vec<Source>, Failure> {
+    input::once(paths.iter().map(PathBuf::as_path))?;
     let mut sources = Vec::new();
-    let mut tables: Vec<&Path> = Vec::new();
+    let mut tables: Vec<(&Path, Begun)> = Vec::new();
     for path in paths {
-        match format_of(path, columns) {
-            None => sources.push(Source::Recording(path.clone())),
-            Some(Format::Ulog2Csv) => tables.push(path),
-            Some(_) => sources.push(Source::Log(flights(&[path])?)),
+        let name = input::name_of(path);
+        let mut rest = input::open(path)?;
+        let mut head = Vec::new();
+        let read = (&mut rest).take(HEAD).read_to_end(&mut head);
+        read.map_err(|error| sysid::error::Error::from_io(&name, &error))?;
+        let format = format_of(&head, columns);
+        let whole = Cursor::new(head).chain(rest);
+        match format {
+            None => {
+                if let Some(refusal) = foreign::refusal(&name, whole.get_ref().0.get_ref()) {
+                    return Err(refusal);
+                }
+                let bytes = files::read_from(&name, whole, files::LARGEST_RECORDING)?;
+                let text = as_csv(&name, bytes)?;
+                sources.push(Source::Recording(Table { name, text }));
+            }
+            Some(Format::Ulog2Csv) => tables.push((path, whole)),
+            Some(_) => sources.push(Source::Log(flights(vec![(path, whole)])?)),
         }
     }
     if !tables.is_empty() {
-        sources.push(Source::Log(flights(&tables)?));
+        sources.push(Source::Log(flights(tables)?));
     }
     Ok(sources)
 }
 
-/// The format of a flight log; `None` of anything else, and of what cannot be read.
-fn format_of(path: &Path, columns: &[ColumnMap]) -> Option<Format> {
-    let mut head = Vec::new();
-    std::fs::File::open(path).ok()?.take(HEAD).read_to_end(&mut head).ok()?;
-    let format = sniff(&head)?;
+/// A file of which the first bytes have been read, from its start.
+type Begun = Chain<Cursor<Vec<u8>>, Box<dyn Read>>;
+
+/// The format of a flight log that begins like this; `None` of anything else.
+fn format_of(head: &[u8], columns: &[ColumnMap]) -> Option<Format> {
+    let format = sniff(head)?;
     let first = head.split(|&byte| byte == b'\n').next().unwrap_or_default();
     let timed = first.split(|&byte| byte == b',').any(|cell| cell.trim_ascii() == b"t_s");
     let mapped = columns.iter().any(|map| map.target == "t_s");
     (format != Format::Ulog2Csv || !(timed || mapped)).then_some(format)
 }
 
-fn flights(paths: &[&Path]) -> Result<Vec<Flight>, Failure> {
-    let logs = flight_logs::read(paths)?;
-    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+fn flights(files: Vec<(&Path, Begun)>) -> Result<Vec<Flight>, Failure> {
+    let paths: Vec<PathBuf> = files.iter().map(|(path, _)| path.to_path_buf()).collect();
+    let names: Vec<String> = paths.iter().map(|path| input::name_of(path)).collect();
+    let logs =
+        flight_logs::read_from(files.into_iter().map(|(path, file)| (input::name_of(path), file)).collect())?;
     let (name, several) = (names.join(" and "), logs.len() > 1);
-    let paths: Vec<PathBuf> = paths.iter().map(|path| path.to_path_buf()).collect();
     let flights = logs.into_iter().zip(1..).map(|(log, number)| Flight {
         name: if several { format!("{name}, flight {number}") } else { name.clone() },
         paths: paths.clone(),
@@ -173,9 +201,9 @@ impl Flight {
 }
 
 /// Refuses, for a recording, options that are for flight logs alone: name, and whether it was given.
-pub fn refuse_options<const N: usize>(path: &Path, options: [(&str, bool); N]) -> Result<(), Failure> {
+pub fn refuse_options<const N: usize>(name: &str, options: [(&str, bool); N]) -> Result<(), Failure> {
     let Some((option, _)) = options.into_iter().find(|(_, given)| *given) else { return Ok(()) };
-    let found = format!("{}: {option} is for flight logs, this is none", path.display());
+    let found = format!("{name}: {option} is for flight logs, this is none");
     let help = "choose parts of a recording with --section NAME=FROM..TO, its columns with --column";
     Err(Failure::new(found, help))
 }

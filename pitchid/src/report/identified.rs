@@ -101,7 +101,7 @@ fn methods(found: &Identification) -> Markup {
 }
 
 /// Gain and phase of the data and of every linear model.
-fn responses(found: &Identification, recordings: &[Recording]) -> Option<Chart> {
+pub fn responses(found: &Identification, recordings: &[Recording]) -> Option<Chart> {
     let step = recordings.first()?.step;
     let lines = &found.response;
     let [first, last] = [lines.first()?.omega_rad_s, lines.last()?.omega_rad_s];

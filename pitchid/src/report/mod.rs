@@ -39,11 +39,19 @@ pub struct Report<'a> {
 impl Report<'_> {
     /// The pictures as files of their own, for light and dark pages: name and SVG.
     pub fn pictures(&self) -> Vec<(String, String)> {
-        let drawn = |figure: figures::Figure| {
-            let svg = figure.chart.file(figure.width);
-            (figure.name, if self.content.answer.per_unit_inertia { per_inertia(&svg) } else { svg })
-        };
-        Figures::new(self).all().map(drawn).collect()
+        Figures::new(self).all().map(|figure| self.drawn(figure)).collect()
+    }
+
+    /// The picture that says most, as a file: the section in which the models differ most, else what was recorded.
+    pub fn picture(&self) -> Option<String> {
+        let figures = Figures::new(self);
+        let figure = figures.first.or_else(|| figures.recorded.into_iter().next())?;
+        Some(self.drawn(figure).1)
+    }
+
+    fn drawn(&self, figure: figures::Figure) -> (String, String) {
+        let svg = figure.chart.file(figure.width);
+        (figure.name, if self.content.answer.per_unit_inertia { per_inertia(&svg) } else { svg })
     }
 
     /// The page.

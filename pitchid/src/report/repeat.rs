@@ -1,5 +1,6 @@
 //! Everything that is needed to come to the same answer again.
 
+use crate::input;
 use benchmark::seal::sha256_hex;
 use maud::{Markup, html};
 use std::path::Path;
@@ -19,8 +20,9 @@ impl Repeat {
         let arguments = std::env::args().skip(1).map(|argument| quoted(&argument));
         let command = std::iter::once("pitchid".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ");
         let hash = |path: &&Path| {
-            let bytes = std::fs::read(path).ok().filter(|_| path.is_file());
-            (path.display().to_string(), bytes.map(|bytes| sha256_hex(&bytes)))
+            // a pipe gives its bytes only once
+            let bytes = path.is_file().then(|| std::fs::read(path).ok()).flatten();
+            (input::name_of(path), bytes.map(|bytes| sha256_hex(&bytes)))
         };
         Self { command, inputs: inputs.iter().map(hash).collect() }
     }

@@ -2,6 +2,8 @@
 
 use super::{heading, notes, paragraph, table};
 use crate::format::{self, Shown};
+use chart::ticks::padded;
+use chart::{Chart, Panel, Series, Shape, Tone};
 use flight_logs::axes::Axis;
 use serde::Serialize;
 use sysid::compare::statistics::Verdict;
@@ -51,9 +53,9 @@ pub fn text(answers: &[AxisAnswer]) -> String {
                 verdict(change.judged.verdict).to_owned(),
             ]
         });
-        let header = ["± 95 %", "unit", "before", "after", "difference", "z", "P(changed)", ""];
+        let header = ["", "unit", "before", "after", "difference", "z", "P(changed)", ""];
         text.push_str(&heading(&format!(
-            "{:.1} s before, {:.1} s after",
+            "{:.1} s before, {:.1} s after; ± is the half-width of a 95 % interval",
             comparison.seconds[0], comparison.seconds[1]
         )));
         text.push_str(&table(&header, rows, 2));
@@ -64,6 +66,67 @@ pub fn text(answers: &[AxisAnswer]) -> String {
         }
     }
     text + &notes(&told)
+}
+
+/// How far each quantity moved, in half-widths of its 95 % interval: beyond one it is more than chance.
+pub fn picture(answers: &[AxisAnswer]) -> String {
+    let changes = || answers.iter().flat_map(|answer| &answer.comparison.changes);
+    let most = changes().map(|change| place(change.quantity)).max().unwrap_or(0);
+    let panel = |answer: &AxisAnswer| {
+        let dot = |change: &Change| {
+            let half = 0.5 * (change.difference.ci95[1] - change.difference.ci95[0]);
+            let moved =
+                Some(change.difference.value / half).filter(|moved| moved.is_finite() && half.is_finite())?;
+            Some((change.judged.verdict, [place(change.quantity) as f64, moved, 1.0]))
+        };
+        let dots: Vec<(Verdict, [f64; 3])> = answer.comparison.changes.iter().filter_map(dot).collect();
+        let of = |changed: bool| {
+            let own = dots.iter().filter(|(verdict, _)| (*verdict == Verdict::Changed) == changed);
+            Shape::Dots(own.map(|(_, dot)| *dot).collect())
+        };
+        let ends = [0.4, most as f64 + 0.6];
+        let level = |y: f64| ends.map(|x| [x, y]).to_vec();
+        Panel {
+            height: 150,
+            y: chart::Axis::linear(
+                format!("{}: change over the half-width of its 95 % interval", answer.axis),
+                padded(
+                    dots.iter()
+                        .flat_map(|(_, [_, moved, half])| [moved - half, moved + half])
+                        .chain([-1.5, 1.5]),
+                ),
+            ),
+            series: vec![
+                Series::new("no change", Tone::Measured, Shape::Lines(vec![level(0.0)])),
+                Series::new("changed", Tone::Before, of(true)),
+                Series::new("not known to have changed", Tone::Ink, of(false)),
+            ],
+        }
+    };
+    let names: Vec<String> =
+        ORDER[..most].iter().zip(1..).map(|(q, k)| format!("{k} {}", word(*q))).collect();
+    let chart = Chart {
+        label: "changes of each quantity, in half-widths of their 95 % intervals".into(),
+        x: chart::Axis::linear(names.join(", "), 0.4..most as f64 + 0.6),
+        panels: answers.iter().map(panel).collect(),
+        windows: Vec::new(),
+    };
+    chart.file(900)
+}
+
+/// Quantities in the order of the picture.
+const ORDER: [Quantity; 6] = [
+    Quantity::Trim,
+    Quantity::Effectiveness,
+    Quantity::Damping,
+    Quantity::LagAndDelay,
+    Quantity::Background,
+    Quantity::Friction,
+];
+
+/// Where a quantity stands in the picture, from 1.
+fn place(quantity: Quantity) -> usize {
+    ORDER.iter().position(|known| *known == quantity).map_or(0, |place| place + 1)
 }
 
 /// Value and half width of the interval.

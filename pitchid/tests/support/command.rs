@@ -11,3 +11,19 @@ pub fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     assert!(!err.contains("panicked"), "{err}");
     (output.status.code(), out, err.split_whitespace().collect::<Vec<_>>().join(" "))
 }
+
+/// Runs what must succeed, and returns what it printed.
+#[allow(dead_code)] // not every test file needs it
+pub fn answered(folder: &Path, arguments: &[&str]) -> String {
+    let (status, out, err) = run(folder, arguments);
+    assert_eq!(status, Some(0), "{arguments:?}: {err}");
+    out
+}
+
+/// Runs what must be refused without an answer, and returns the message.
+#[allow(dead_code)] // not every test file needs it
+pub fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let (status, out, err) = run(folder, arguments);
+    assert_eq!((status, out.as_str()), (Some(2), ""), "{arguments:?}");
+    err
+}

@@ -19,6 +19,7 @@ use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::model::baseline::ASSUMED;
 use crate::model::file::ModelFile;
+use crate::progress::Progress;
 use crate::recording::Recording;
 use serde::Serialize;
 use side::Side;
@@ -119,7 +120,7 @@ pub fn compare(
     after: &[Recording],
     model: Option<&ModelFile>,
     friction: bool,
-    progress: &dyn Fn(&str),
+    progress: &Progress<'_>,
 ) -> Result<Comparison, Error> {
     let mut notes = Vec::new();
     let sides = [("before", before), ("after", after)];
@@ -127,7 +128,7 @@ pub fn compare(
     Dataset::new(&[before, after].concat())?;
     let mut found = Vec::with_capacity(2);
     for (name, recordings) in sides {
-        progress(&format!("fitting {name}"));
+        progress(format!("fitting {name}").as_str().into());
         let mut noticed = Vec::new();
         found.push(Side::new(recordings, model, friction, &mut noticed)?);
         notes.extend(noticed.into_iter().map(|note| format!("{name}: {note}")));

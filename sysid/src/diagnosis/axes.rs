@@ -15,6 +15,7 @@ use crate::likelihood::problem::Problem;
 use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::effect::Effect;
 use crate::model::file::{EffectEntry, ModelFile};
+use crate::progress::{Progress, Step};
 use crate::recording::Recording;
 use std::collections::BTreeMap;
 
@@ -40,15 +41,12 @@ pub struct AxesDiagnosis {
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_axes(
-    axes: &[AxisRecordings],
-    progress: &(dyn Fn(&str) + Sync),
-) -> Result<AxesDiagnosis, Error> {
-    progress("looking for what the axes share");
+pub fn diagnose_axes(axes: &[AxisRecordings], progress: &Progress<'_>) -> Result<AxesDiagnosis, Error> {
+    progress("looking for what the axes share".into());
     let shared = shared_by(axes)?;
     let mut diagnoses = Vec::with_capacity(axes.len());
     for axis in axes {
-        let say = |what: &str| progress(&format!("{}: {what}", axis.name));
+        let say = |step: Step<'_>| progress(Step { what: &format!("{}: {}", axis.name, step.what), ..step });
         let own = shared.as_ref().filter(|term| term.axes.contains(&axis.name));
         let mut diagnosis = match own {
             Some(term) => {

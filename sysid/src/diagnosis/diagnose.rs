@@ -28,6 +28,7 @@ use crate::likelihood::problem::Problem;
 use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::effect::Effect;
 use crate::model::file::ModelFile;
+use crate::progress::Progress;
 use crate::recording::Recording;
 
 /// An answer with what a report shows beside it.
@@ -76,7 +77,7 @@ pub struct Diagnosis {
 pub fn diagnose(
     recordings: &[Recording],
     model: Option<&ModelFile>,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Diagnosis, Error> {
     diagnose_with(recordings, model, CATALOGUE, progress)
 }
@@ -89,7 +90,7 @@ pub fn diagnose_with(
     recordings: &[Recording],
     model: Option<&ModelFile>,
     catalogue: &[&'static dyn Effect],
-    progress: &(dyn Fn(&str) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Diagnosis, Error> {
     diagnose_knowing(recordings, model, &[], catalogue, progress)
 }
@@ -100,7 +101,7 @@ pub fn diagnose_knowing(
     model: Option<&ModelFile>,
     held: &[&'static str],
     catalogue: &[&'static dyn Effect],
-    progress: &(dyn Fn(&str) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Diagnosis, Error> {
     let data = Dataset::new(recordings)?;
     let baseline = Baseline { held: held.to_vec(), ..Baseline::new(model, &data)? };
@@ -117,7 +118,7 @@ struct Asked<'a> {
     data: &'a Dataset,
     model: Option<&'a ModelFile>,
     catalogue: &'a [&'static dyn Effect],
-    progress: &'a (dyn Fn(&str) + Sync),
+    progress: &'a Progress<'a>,
 }
 
 fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> {
@@ -138,7 +139,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     let dm_du = model.and_then(|m| m.plant.dm_du);
     let mut checks = data_checks::of_recordings(recordings, data, dm_du);
     let input_first = || {
-        progress("fitting again with the input first: the loop is closed");
+        progress("fitting again with the input first: the loop is closed".into());
         answered(asked, &Baseline { input_first: true, ..baseline.clone() })
     };
     let balance = Balance::new(data, baseline, model);
@@ -163,7 +164,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         );
     }
     let places: Vec<_> = parts.iter().map(|part| part.places.clone()).collect();
-    progress("fitting the baseline");
+    progress("fitting the baseline".into());
     let no_likelihood = || {
         Error::new(
             ErrorKind::Numerical,
@@ -186,7 +187,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         checks.extend(data_checks::without_fit("too weak to ask"));
         return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, true);
     }
-    progress("checking the data");
+    progress("checking the data".into());
     let extended = &selection.visited[selection.extended].fit;
     if data_checks::is_of_the_controller(recordings, &problem, extended) {
         return input_first();
@@ -215,8 +216,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
             false,
         );
     }
-    progress("holding out each section");
-    let judgement = Judgement::new(&problem, &parts, selection, loops.any_closed_unsaid());
+    let judgement = Judgement::new(&problem, &parts, selection, loops.any_closed_unsaid(), progress);
     let found = build(&judgement, notes());
     let held = closed || !predicts(&found.answer);
     with_checks(found, checks, held)

@@ -12,6 +12,7 @@ use super::verdict::Grounds;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
+use crate::progress::Progress;
 use std::cell::LazyCell;
 
 /// Everything that the answer is built from.
@@ -45,7 +46,13 @@ pub struct Judgement<'p, 'd> {
 
 impl<'p, 'd> Judgement<'p, 'd> {
     /// Judges a selection; `fed_back` where the loop was closed though the data do not say so.
-    pub fn new(problem: &'p Problem<'d>, parts: &'p [Part], selection: Selection, fed_back: bool) -> Self {
+    pub fn new(
+        problem: &'p Problem<'d>,
+        parts: &'p [Part],
+        selection: Selection,
+        fed_back: bool,
+        progress: &Progress<'_>,
+    ) -> Self {
         let gain = |place: usize| selection.gain(problem, place);
         let gained_by_names = gain(selection.named);
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
@@ -89,7 +96,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let untold = 0.5 * closes.fold(0.0, f64::max);
         let gust = gust(problem, fit);
         let findings = [&named[..], &shapes].concat();
-        let rotation = rotate(problem, &selection, place, &findings, parts);
+        let rotation = rotate(problem, &selection, place, &findings, parts, progress);
         let chosen = |finding: &Finding| {
             rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen_in_kind)
         };

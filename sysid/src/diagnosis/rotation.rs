@@ -15,6 +15,7 @@ use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::model::pitch::Output;
+use crate::progress::{Counted, Progress};
 use rayon::prelude::*;
 
 /// Models whose log posterior lies further below the answer's are not chosen by any rotation.
@@ -90,6 +91,7 @@ pub fn rotate(
     place: usize,
     findings: &[Finding],
     parts: &[Part],
+    progress: &Progress<'_>,
 ) -> Rotation {
     let divisor = selection.visited[place].divisor(problem);
     let value = |i: usize| selection.visited[i].log_posterior(problem, divisor);
@@ -101,9 +103,14 @@ pub fn rotate(
     let at = |i: usize| models.iter().position(|&m| m == i);
     let mut rotations = Vec::new();
     let mut gains: Vec<Vec<Turn>> = (0..findings.len()).map(|_| Vec::new()).collect();
+    let counted = Counted::new(progress, "holding out each section", models.len() * parts.len());
     for (index, part) in parts.iter().enumerate() {
-        let turned: Vec<Option<Turned>> =
-            models.par_iter().map(|&m| turn(problem, selection, m, index, &part.places, divisor)).collect();
+        let turned = |&m: &usize| {
+            let turned = turn(problem, selection, m, index, &part.places, divisor);
+            counted.one();
+            turned
+        };
+        let turned: Vec<Option<Turned>> = models.par_iter().map(turned).collect();
         let Some(Some(baseline)) = at(selection.baseline).map(|i| turned[i].as_ref()) else { continue };
         let probable = |i: &usize| turned[*i].as_ref().map_or(f64::NEG_INFINITY, |t| t.log_posterior);
         let Some(best) = (0..models.len()).max_by(|a, b| probable(a).total_cmp(&probable(b))) else {

@@ -6,6 +6,7 @@ use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::optim::chord::{Chord, Descent};
 use crate::optim::levenberg_marquardt::{Effort, minimize};
+use crate::progress::{Counted, Progress};
 use rayon::prelude::*;
 
 /// Strength that stands for "near output error".
@@ -46,12 +47,21 @@ const LONG_SKETCH: Effort = Effort { iterations: 15, tolerance: 0.5 };
 /// `before` with each of `candidates` in turn, best first. Their starts are followed a few steps, from the optimum of
 /// `before` and from near output error (where the disturbance model does not swallow an effect before it is seen), at first
 /// from the user's values too; those that are worth it are fitted, and those of them that come near the best are fitted to the end.
-pub fn fit_one_more(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Fit> {
-    let sketches: Vec<Fit> = worth_fitting(prospects(problem, before, candidates))
+pub fn fit_one_more(
+    problem: &Problem<'_>,
+    before: &Fit,
+    candidates: &[&'static dyn Effect],
+    progress: &Progress<'_>,
+) -> Vec<Fit> {
+    let prospects = worth_fitting(prospects(problem, before, candidates));
+    let counted = Counted::new(progress, "", prospects.len());
+    let sketches: Vec<Fit> = prospects
         .par_iter()
         .filter_map(|prospect| {
             let effort = if prospect.settled() { SKETCH } else { LONG_SKETCH };
-            fit(problem, &prospect.effects, &prospect.values, effort)
+            let sketch = fit(problem, &prospect.effects, &prospect.values, effort);
+            counted.one();
+            sketch
         })
         .collect();
     let mut best: Vec<Fit> = Vec::new();

@@ -22,6 +22,7 @@ use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::{Fit, SKETCH, fit as fit_from, refit, settled};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
+use crate::progress::{Progress, Step};
 use rayon::prelude::*;
 
 /// Candidates from whose noise models the model before is fitted again: one that has not settled makes every candidate look
@@ -76,6 +77,9 @@ pub struct Search<'p, 'd> {
     /// The models.
     pub visited: Vec<Visited>,
     rounds: Vec<Round>,
+    progress: &'p Progress<'p>,
+    /// What is being done now.
+    doing: String,
 }
 
 /// Selects terms on top of the baseline's fit. `parts` are the parts of the data that will be held out in turn. `None` where the
@@ -85,33 +89,37 @@ pub fn select(
     baseline: Fit,
     catalogue: &[&'static dyn Effect],
     parts: &[Vec<Place>],
-    progress: &(dyn Fn(&str) + Sync),
+    progress: &Progress<'_>,
 ) -> Option<Selection> {
     let begun = |problem, parts| {
         let candidates = Candidates::new(problem, catalogue);
-        Search { problem, candidates, parts, visited: Vec::new(), rounds: Vec::new() }
+        Search {
+            problem,
+            candidates,
+            parts,
+            visited: Vec::new(),
+            rounds: Vec::new(),
+            progress,
+            doing: String::new(),
+        }
     };
     let Some(excerpt) = excerpt(problem.data) else {
-        return searched(begun(problem, parts), baseline, progress);
+        return searched(begun(problem, parts), baseline);
     };
     let part = problem.in_part(&excerpt);
     let of_part = refit(&part, &[], &baseline.minimum.values)?;
-    let selection = searched(begun(&part, &[]), of_part, progress)?;
-    progress("fitting to all data what was found in a part of them");
+    let selection = searched(begun(&part, &[]), of_part)?;
     let mut search = begun(problem, parts);
+    search.begin("fitting to all data what was found in a part of them".into());
     search.visit(baseline)?;
     carried(search, &part, &selection)
 }
 
-fn searched(
-    mut search: Search<'_, '_>,
-    baseline: Fit,
-    progress: &(dyn Fn(&str) + Sync),
-) -> Option<Selection> {
+fn searched(mut search: Search<'_, '_>, baseline: Fit) -> Option<Selection> {
     let mut current = search.visit(baseline)?;
     current = search.with_third_pole(current);
     for _ in 0..MOST_TERMS {
-        progress(&format!("trying the catalogue's effects on top of {}", search.described(current)));
+        search.begin(format!("trying the catalogue's effects on top of {}", search.described(current)));
         let all = search.candidates.named.clone();
         let round = search.one_more(current, &all);
         current = round.before;
@@ -123,9 +131,9 @@ fn searched(
         }
     }
     let baseline = search.rounds.first().map_or(current, |round| round.before);
-    progress("dropping and exchanging effects");
+    search.begin("dropping and exchanging effects".into());
     let named = search.exchange(current);
-    progress("trying terms without a name");
+    search.begin("trying terms without a name".into());
     let extended = search.with_shapes(named);
     if named != baseline {
         search.visit_shape_instead(baseline, named);
@@ -134,6 +142,12 @@ fn searched(
 }
 
 impl Search<'_, '_> {
+    /// Says what is being done from now on.
+    fn begin(&mut self, doing: String) {
+        (self.progress)(doing.as_str().into());
+        self.doing = doing;
+    }
+
     /// Which of all that was visited is the answer's, of those that were found.
     pub fn selection(mut self, baseline: usize, named: usize, extended: usize) -> Selection {
         let extended = self.without_needless(extended, named);
@@ -201,7 +215,8 @@ impl Search<'_, '_> {
             !fit.effects.iter().any(said)
         };
         let missing: Vec<&'static dyn Effect> = candidates.iter().copied().filter(lacking).collect();
-        let fits = fit_one_more(self.problem, &fit, &missing);
+        let (progress, what) = (self.progress, self.doing.as_str());
+        let fits = fit_one_more(self.problem, &fit, &missing, &|step| progress(Step { what, ..step }));
         let length = fit.minimum.values.len();
         let again: Vec<Fit> = fits
             .par_iter()

@@ -99,7 +99,7 @@ impl Posed<'_> {
 
     /// The effect as this axis wants it; `None` where it wants none.
     fn wants(&self, effect: &'static dyn Effect) -> Option<Said> {
-        let fits = fit_one_more(&self.problem, self.asked.fit, &[effect]);
+        let fits = fit_one_more(&self.problem, self.asked.fit, &[effect], &|_| {});
         let fit = fits.first()?;
         let information = Information::new(&self.problem, fit, &[])?;
         let own = fit.own_range(&self.problem, 0);

@@ -17,6 +17,7 @@ use super::pi_moesp::{Method, identify};
 use crate::error::{Error, ErrorKind};
 use crate::model::plant::Plant;
 use crate::model::state_space::StateSpace;
+use crate::progress::{Counted, Progress};
 use nalgebra::Complex;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -83,7 +84,12 @@ fn middle(mut values: Vec<f64>, found: f64) -> [f64; 2] {
 ///
 /// # Errors
 /// A model that is unstable on its own data.
-pub fn bootstrap(recipe: &Recipe, count: usize, seed: u64) -> Result<Replicates, Error> {
+pub fn bootstrap(
+    recipe: &Recipe,
+    count: usize,
+    seed: u64,
+    progress: &Progress<'_>,
+) -> Result<Replicates, Error> {
     let model = LinearModel::Sampled(recipe.model.clone());
     let runs: Option<Vec<Vec<f64>>> = recipe.pieces.iter().map(|piece| model.simulate(piece)).collect();
     let runs = runs.ok_or_else(|| {
@@ -101,12 +107,15 @@ pub fn bootstrap(recipe: &Recipe, count: usize, seed: u64) -> Result<Replicates,
         .collect();
     let ar = autoregression(&errors);
     let deviation = innovation(&errors, &ar);
+    let counted = Counted::new(progress, "repeating the H∞ match on simulated data", count);
     let answers: Vec<Option<Answer>> = (0..count as u64)
         .into_par_iter()
         .map(|k| {
             let mut generator =
                 Pcg64::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(k));
-            repeat(recipe, &runs, &ar, deviation, &mut generator)
+            let answer = repeat(recipe, &runs, &ar, deviation, &mut generator);
+            counted.one();
+            answer
         })
         .collect();
     let mut all =

@@ -130,8 +130,8 @@ fn choose(candidates: &[Candidate], scores: &[Option<f64>], folds: usize) -> Res
     let lowest = equals.iter().map(|c| c.order).min().unwrap_or(chosen.order);
     let flat = if 4 * equals.len() > ranked.len() { "flat" } else { "clear" };
     let reason = format!(
-        "n = {}, i = {} has the largest cross-validated VAF, {vaf:.2} %, of {} models that are stable in all {folds} folds; \
-         {} of {} are not, or do not exist. {} lie within {AS_GOOD} points of it, down to n = {lowest}: the choice is {flat}.",
+        "n = {}, i = {} has the largest cross-validated VAF, {vaf:.2} %, of {} models that are stable in each of {folds} folds; \
+         {} of {} are not, or do not exist. Within {AS_GOOD} points of it, itself included: {}, down to n = {lowest}; the choice is {flat}.",
         chosen.order,
         chosen.block_size,
         ranked.len(),

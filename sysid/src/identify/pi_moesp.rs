@@ -237,8 +237,8 @@ fn choose(candidates: Vec<Candidate>) -> Result<Grid, Error> {
     let lowest = equals.first().map_or(order, |c| c.order);
     let reason = format!(
         "n = {order}, i = {block} has the largest validation VAF, {vaf:.2} %, of {stable} stable models; {} of {} are \
-         unstable or have no model. {} of the stable ones lie within {AS_GOOD} points of it, the lowest order among them \
-         is n = {lowest}: the choice is {}.",
+         unstable or have no model. Within {AS_GOOD} points of it, itself included: {} of the stable ones, down to \
+         n = {lowest}; the choice is {}.",
         candidates.len() - stable,
         candidates.len(),
         equals.len(),

@@ -22,7 +22,7 @@ pub struct Baseline {
 }
 
 /// What an answer says where there is no model.
-pub const ASSUMED: &str = "no model was given: the inertia is not known, so every moment is told per unit inertia (rad/s²), and the \
+pub const ASSUMED: &str = "no model was given: the inertia is not known, so every moment is given per unit inertia (rad/s²), and the \
                            IMU is taken for rigidly mounted; give yours with --model";
 
 impl Baseline {

@@ -35,6 +35,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use crate::error::{Error, ErrorKind};
+use crate::files;
 pub use axes::to_toml;
 pub use effect::{EffectEntry, KnownEffect, SCALES};
 
@@ -110,17 +111,8 @@ struct Raw {
 /// # Errors
 /// As [`parse`], and where the file cannot be read.
 pub fn read(path: &Path, axis: Option<&str>, effects: &[KnownEffect]) -> Result<ModelFile, Error> {
-    let name = path.display().to_string();
-    if path.is_dir() {
-        return Err(Error::from_io(&name, &std::io::ErrorKind::IsADirectory.into()));
-    }
-    let bytes = std::fs::read(path).map_err(|error| Error::from_io(&name, &error))?;
-    let text = std::str::from_utf8(&bytes).map_err(|error| {
-        let found = format!("not UTF-8 text: offset {}", error.valid_up_to());
-        Error::new(ErrorKind::Format, found, "name a model file (TOML); recordings are given without --model")
-            .in_file(name.as_str())
-    })?;
-    parse(&name, text, axis, effects)
+    let text = files::read_text(path, "name a model file (TOML); recordings are given without --model")?;
+    parse(&path.display().to_string(), &text, axis, effects)
 }
 
 /// Reads the text of a model file; `name` stands for the file in messages.

@@ -2,6 +2,7 @@
 
 use super::Design;
 use crate::error::{Error, ErrorKind};
+use crate::files;
 use estimator_core::monitor::{CAUSES, Cause, Column, MonitorModel, Rows, SIZES, Test, Transition};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -75,9 +76,8 @@ impl Design {
 /// # Errors
 /// A file that cannot be read, that is no monitor, or that no board would run; with the line where there is one.
 pub fn read_monitor(path: &Path) -> Result<(MonitorModel, f64), Error> {
-    let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|error| Error::from_io(&name, &error))?;
-    parse(&text).map_err(|error| error.in_file(name))
+    let text = files::read_text(path, HELP)?;
+    parse(&text).map_err(|error| error.in_file(path.display().to_string()))
 }
 
 fn parse(text: &str) -> Result<(MonitorModel, f64), Error> {

@@ -13,6 +13,7 @@ mod checks;
 mod clock;
 mod columns;
 mod cut;
+mod export;
 mod expression;
 mod missing;
 mod options;
@@ -32,6 +33,7 @@ pub use options::{ColumnMap, InputHold, ReadOptions, SectionSpec};
 pub(crate) use sections::WHOLE;
 
 use crate::error::{Error, ErrorKind};
+use crate::files;
 use columns::Role;
 use table::Table;
 
@@ -160,24 +162,23 @@ impl Note {
 /// As [`parse`], and where the file cannot be read.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Error> {
     let name = path.display().to_string();
-    parse(&name, &bytes_of(path, &name)?, options)
+    let bytes = files::read(path, files::LARGEST_RECORDING)?;
+    parse(&name, &as_csv(&name, bytes)?, options)
 }
 
-/// The names of a file's columns, in order.
+/// The names of the columns of a CSV file, in order; `name` stands for the file in messages.
 ///
 /// # Errors
-/// A file that cannot be read, or has no header line.
-pub fn header(path: &Path) -> Result<Vec<String>, Error> {
-    let name = path.display().to_string();
-    let bytes = bytes_of(path, &name)?;
-    table::header(&bytes).map_err(|error| error.in_file(name))
+/// No header line.
+pub fn header(name: &str, text: &[u8]) -> Result<Vec<String>, Error> {
+    table::header(text).map_err(|error| error.in_file(name))
 }
 
-fn bytes_of(path: &Path, name: &str) -> Result<Vec<u8>, Error> {
-    if path.is_dir() {
-        return Err(Error::from_io(name, &std::io::ErrorKind::IsADirectory.into()));
-    }
-    let bytes = std::fs::read(path).map_err(|error| Error::from_io(name, &error))?;
+/// A recording's bytes as CSV, made of a Parquet table or a MATLAB file where they are one; `name` stands for the file in messages.
+///
+/// # Errors
+/// A table that cannot be read.
+pub fn as_csv(name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, Error> {
     binary::as_csv(bytes).map_err(|error| error.in_file(name))
 }
 

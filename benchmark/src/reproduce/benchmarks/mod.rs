@@ -24,6 +24,7 @@ use sysid::likelihood::fit::fit_baseline;
 use sysid::likelihood::problem::{Problem, Unpacked};
 use sysid::model::baseline::Baseline;
 use sysid::model::file::{EffectEntry, ModelFile, PlantSection};
+use sysid::progress::Progress;
 use sysid::recording::{InputHold, ReadOptions, Recording, parse};
 
 /// A benchmark: its files and its protocol.
@@ -164,7 +165,7 @@ pub struct TestOutcome {
 ///
 /// # Errors
 /// A file of the split that is not there or cannot be used, a model that diverges, or a file that could not be written.
-pub fn published(data: &Path, folder: &Path, say: &(dyn Fn(&str) + Sync)) -> Result<Vec<Outcome>, Error> {
+pub fn published(data: &Path, folder: &Path, say: &Progress<'_>) -> Result<Vec<Outcome>, Error> {
     let outcomes =
         BENCHMARKS.iter().map(|benchmark| benchmark.run(data, say)).collect::<Result<Vec<_>, _>>()?;
     files::make_folder(folder)?;
@@ -174,12 +175,12 @@ pub fn published(data: &Path, folder: &Path, say: &(dyn Fn(&str) + Sync)) -> Res
 }
 
 impl Benchmark {
-    fn run(&self, data: &Path, say: &(dyn Fn(&str) + Sync)) -> Result<Outcome, Error> {
+    fn run(&self, data: &Path, say: &Progress<'_>) -> Result<Outcome, Error> {
         let train = self.read(data, self.train, EVERY)?;
         let first = self.read(data, self.train, self.diagnosed)?;
         let rows = train.t.len();
         let all = Piece::new(&train, 0..rows, self.finer);
-        say(&format!("{}: diagnosing the training data", self.name));
+        say(format!("{}: diagnosing the training data", self.name).as_str().into());
         let model = self.oscillator.map(|of| self.oscillator(of, &train, &all)).transpose()?;
         let found = diagnose(std::slice::from_ref(&first), model.as_ref(), &|_| {})?;
         let verdict = serde_json::to_value(found.answer.verdict).ok();
@@ -188,7 +189,7 @@ impl Benchmark {
         let ids: Vec<&str> = given.chain(answer.effects.iter().map(|effect| effect.id.as_str())).collect();
         let mut named = found.model;
         named.effects.retain(|effect| effect.shape.is_none() && ids.contains(&effect.id.as_str()));
-        say(&format!("{}: fitting to all training data", self.name));
+        say(format!("{}: fitting to all training data", self.name).as_str().into());
         let diagnosed = simulation(&named, &train)?;
         let predicted = self.predicting(&named, &train)?;
         let by_output_error = |start: &Simulation| start.fitted(&all, self.initialisation);
@@ -215,7 +216,7 @@ impl Benchmark {
         };
         let scale = self.unit.1;
         let tests = self.tests.iter().map(|test| {
-            say(&format!("{}: {}", self.name, test.name));
+            say(format!("{}: {}", self.name, test.name).as_str().into());
             let recording = self.read(data, test.file, test.rows)?;
             let rows = recording.t.len();
             let [piece, finer] = [1, 4].map(|times| Piece::new(&recording, 0..rows, times * self.finer));

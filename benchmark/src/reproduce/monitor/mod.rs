@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
 use sysid::monitor::{Row, replay};
+use sysid::progress::{Counted, Progress};
 
 /// How long a flight goes on after the change, s.
 const AFTER_S: f64 = 25.0;
@@ -238,27 +239,31 @@ pub struct Study {
 ///
 /// # Errors
 /// A vehicle that cannot be identified, or a file that cannot be written.
-pub fn monitor(folder: &Path, amount: Amount, say: &(dyn Fn(&str) + Sync)) -> Result<Study, Error> {
+pub fn monitor(folder: &Path, amount: Amount, say: &Progress<'_>) -> Result<Study, Error> {
     let Amount { vehicles: each, flights, hours, seed } = amount;
-    say("identifying the vehicles");
+    say("identifying the vehicles".into());
     let vehicles = vehicles(each, seed)?;
     let of = |k: u64| &vehicles[k as usize % vehicles.len()];
+    let count = hours * (3600.0 / ORDINARY_S) as u64;
+    let counted = Counted::new(say, "flying where nothing changes", 2 * count as usize);
     let ordinary = |gusts: bool| -> Result<(Vec<Alarm>, f32), Error> {
-        let count = hours * (3600.0 / ORDINARY_S) as u64;
         let flown = (0..count).into_par_iter().map(|k| {
             let (_, vehicle_seed, vehicle) = of(k);
-            quiet(vehicle, [*vehicle_seed, seed * 1_000_003 + k], gusts)
+            let flown = quiet(vehicle, [*vehicle_seed, seed * 1_000_003 + k], gusts);
+            counted.one();
+            flown
         });
         let flown: Vec<(Vec<Alarm>, f32)> = flown.collect::<Result<_, _>>()?;
         let most = flown.iter().map(|(_, most)| *most).fold(0.0, f32::max);
         Ok((flown.into_iter().flat_map(|(alarms, _)| alarms).collect(), most))
     };
-    say("flying where nothing changes");
     let ((quiet, most_quiet), (gusty, _)) = (ordinary(false)?, ordinary(true)?);
-    say("flying where something changes");
+    let counted = Counted::new(say, "flying where something changes", flights as usize);
     let altered = (0..flights).into_par_iter().map(|k| {
         let (air, _, vehicle) = of(k);
-        altered(vehicle, *air, seed * 2_000_003 + k)
+        let flown = altered(vehicle, *air, seed * 2_000_003 + k);
+        counted.one();
+        flown
     });
     let altered: Vec<Altered> = altered.collect::<Result<_, _>>()?;
     let study = Study { amount, quiet, gusty, most_quiet, altered };

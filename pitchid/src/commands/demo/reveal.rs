@@ -6,6 +6,7 @@ use serde::Deserialize;
 use std::path::Path;
 use sysid::diagnosis::answer::{Answer, Verdict};
 use sysid::estimate::Estimate;
+use sysid::files;
 
 /// What a truth file says, as far as it is compared.
 #[derive(Deserialize)]
@@ -35,12 +36,20 @@ struct TruePlant {
 
 /// Reads the truth and says whether the answer was right, parameter by parameter.
 pub fn reveal(path: &Path, answer: &Answer) -> Result<String, Failure> {
-    let name = path.display();
-    let unreadable =
-        |e: String| Failure::new(format!("{name}: cannot be read: {e}"), "run the demonstration again");
-    let json = std::fs::read_to_string(path).map_err(|e| unreadable(e.to_string()))?;
-    let truth: Truth = serde_json::from_str(&json).map_err(|e| unreadable(e.to_string()))?;
+    let truth: Truth = serde_json::from_value(truth(path)?).map_err(|e| unreadable(path, &e))?;
     Ok(compare(&truth, answer))
+}
+
+/// What the truth file says.
+pub fn truth(path: &Path) -> Result<serde_json::Value, Failure> {
+    let json = files::read_text(path, AGAIN)?;
+    serde_json::from_str(&json).map_err(|e| unreadable(path, &e))
+}
+
+const AGAIN: &str = "run the demonstration again";
+
+fn unreadable(path: &Path, error: &serde_json::Error) -> Failure {
+    Failure::new(format!("{}: cannot be read: {error}", path.display()), AGAIN)
 }
 
 fn compare(truth: &Truth, answer: &Answer) -> String {

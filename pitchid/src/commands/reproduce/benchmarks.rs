@@ -24,6 +24,10 @@ pub struct Arguments {
     /// Folder for the page and the figures as JSON
     #[arg(long, value_name = "DIR", default_value = "pitchid-benchmarks")]
     out: PathBuf,
+
+    /// Write the figures as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -38,12 +42,16 @@ Exit status: 0 reproduced; 2 a file of the split or the folder could not be used
 
 /// Runs them.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    output::check(arguments.json.as_deref(), &[])?;
     let progress = Progress::start("reading");
-    let outcomes = published(&arguments.data, &arguments.out, &|what| progress.say(what))?;
+    let outcomes = published(&arguments.data, &arguments.out, &|step| progress.say(step))?;
     drop(progress);
     output::print(&text::table(&page::HEADER, page::rows(&outcomes), 1))?;
     for outcome in &outcomes {
         output::print(&format!("\n{}", text::paragraph(&page::told(outcome))))?;
     }
-    output::print(&format!("\nPage: {}\n", arguments.out.join("benchmarks.md").display()))
+    output::print(&format!("\nPage: {}\n", arguments.out.join("benchmarks.md").display()))?;
+    let Some(path) = &arguments.json else { return Ok(()) };
+    let answer = serde_json::json!({ "schema": "pitchid.benchmarks/1", "benchmarks": outcomes });
+    output::write(path, &output::json(&answer)?)
 }

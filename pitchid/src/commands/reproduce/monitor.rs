@@ -33,6 +33,10 @@ pub struct Arguments {
     /// Folder for the page and the figures as JSON
     #[arg(long, value_name = "DIR", default_value = "pitchid-monitor")]
     out: PathBuf,
+
+    /// Write the figures as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -49,12 +53,16 @@ Exit status: 0 reproduced; 2 the folder could not be used.";
 /// Flies them.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = arguments.out.as_path();
+    output::check(arguments.json.as_deref(), &[])?;
     output::folder(folder)?;
     let progress = Progress::start("identifying the vehicles");
     let Arguments { flights, hours, vehicles, seed, .. } = *arguments;
-    let study = monitor(folder, Amount { vehicles, flights, hours, seed }, &|what| progress.say(what))?;
+    let study = monitor(folder, Amount { vehicles, flights, hours, seed }, &|step| progress.say(step))?;
     drop(progress);
     output::print(&text::table(&page::HEADER, page::rows(&study), 2))?;
     output::print(&format!("\n{}", text::paragraph(&page::totals(&study))))?;
-    output::print(&format!("\nPage: {}\n", folder.join("monitor.md").display()))
+    output::print(&format!("\nPage: {}\n", folder.join("monitor.md").display()))?;
+    let Some(path) = &arguments.json else { return Ok(()) };
+    let answer = serde_json::json!({ "schema": "pitchid.monitor-study/1", "study": study });
+    output::write(path, &output::json(&answer)?)
 }

@@ -26,6 +26,10 @@ pub struct Arguments {
     /// Folder for the table and the figures as JSON
     #[arg(long, value_name = "DIR", default_value = "pitchid-plans")]
     out: PathBuf,
+
+    /// Write the counts as JSON; - is standard output, which then carries nothing else
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
 }
 
 const AFTER_HELP: &str = "\
@@ -40,11 +44,14 @@ Exit status: 0 reproduced; 2 the folder could not be used.";
 
 /// Plans and flies.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    output::check(arguments.json.as_deref(), &[])?;
     let folder = arguments.out.as_path();
     output::folder(folder)?;
     let progress = Progress::start("planning");
     let counted = plans(folder, arguments.crafts, arguments.seed, &|what| progress.say(what))?;
     drop(progress);
     output::print(&text::table(&HEADER, rows(&counted), 1))?;
-    output::print(&format!("\nPage: {}\n", folder.join("plans.md").display()))
+    output::print(&format!("\nPage: {}\n", folder.join("plans.md").display()))?;
+    let Some(path) = &arguments.json else { return Ok(()) };
+    output::write(path, &output::json(&serde_json::json!({ "schema": "pitchid.plans/1", "plans": counted }))?)
 }

@@ -1,6 +1,7 @@
 //! What is shown of a log, as one HTML file that needs nothing else.
 
 use super::content::{Curve, Shown, ShownAxis, ShownFlight, ShownRecording, ShownTopic};
+use crate::format::fixed;
 use crate::logs::excitation::Span;
 use crate::report::content::capitalised;
 use benchmark::html::Document;
@@ -17,6 +18,8 @@ const SPARED_OF_MOTION: f64 = 0.005;
 const ROOM: f64 = 1.0;
 /// Points of each curve.
 const POINTS: usize = 4000;
+/// Width of a picture as a file, CSS pixels.
+const FILE: u32 = 900;
 
 const STYLE: &str = include_str!("page.css");
 
@@ -45,7 +48,7 @@ fn flight(shown: &ShownFlight) -> Markup {
             p .verdict { (shown.format) }
             h1 { (shown.name) }
             p {
-                (shown.firmware.as_deref().unwrap_or("firmware not told"))
+                (shown.firmware.as_deref().unwrap_or("firmware unknown"))
                 @if let Some(vehicle) = &shown.vehicle { ", " (vehicle) }
                 (lasting(shown.time_s)) "."
             }
@@ -119,12 +122,28 @@ fn recording(shown: &ShownRecording) -> Markup {
 
 fn lasting(time_s: Option<[f64; 2]>) -> String {
     time_s.map_or(String::new(), |[from, to]| {
-        format!("; {:.1} s, from {from:.3} to {to:.3} s of its clock", to - from)
+        format!("; {:.1} s, from {} to {} s of its clock", to - from, fixed(from, 3), fixed(to, 3))
     })
 }
 
 fn figure(curves: &[Curve], excitation: &[Span]) -> Markup {
-    html! { @if let Some(picture) = picture(curves, excitation) { figure { (PreEscaped(picture)) } } }
+    html! { @if let Some(chart) = picture(curves, excitation) { figure { (PreEscaped(chart.html())) } } }
+}
+
+/// One picture as a file: of what moves longest. `None` where there is nothing to draw.
+pub fn plot(shown: &[Shown]) -> Option<String> {
+    let mut all: Vec<(&[Curve], &[Span])> = Vec::new();
+    for part in shown {
+        match part {
+            Shown::Flight(flight) => {
+                all.extend(flight.axes.iter().map(|a| (&a.curves[..], &a.excitation[..])));
+            }
+            Shown::Recording(recording) => all.push((&recording.curves, &recording.excitation)),
+        }
+    }
+    let moving = |spans: &[Span]| spans.iter().map(|span| span.time_s[1] - span.time_s[0]).sum::<f64>();
+    all.sort_by(|(_, a), (_, b)| moving(b).total_cmp(&moving(a)));
+    all.into_iter().find_map(|(curves, spans)| picture(curves, spans)).map(|chart| chart.file(FILE))
 }
 
 fn row(topic: &ShownTopic) -> Markup {
@@ -135,8 +154,8 @@ fn row(topic: &ShownTopic) -> Markup {
             td .n { (topic.rows) }
             td .n { (decimal(topic.rate_hz)) }
             td .n { (topic.gaps) }
-            td .n { (format!("{from:.1}")) }
-            td .n { (format!("{to:.1}")) }
+            td .n { (fixed(from, 1)) }
+            td .n { (fixed(to, 1)) }
         }
     }
 }
@@ -152,7 +171,7 @@ fn spans(all: &[Span]) -> Markup {
                     th .n { "80 % of the input's power, rad/s" }
                 } }
                 tbody { @for span in all { tr {
-                    td { (format!("{:.1} to {:.1}", span.time_s[0], span.time_s[1])) }
+                    td { (fixed(span.time_s[0], 1)) " to " (fixed(span.time_s[1], 1)) }
                     td .n { (format!("{:.4}", span.input_deviation)) }
                     td .n { (span.rate_deviation.map_or("–".into(), |rate| format!("{rate:.3}"))) }
                     td .n { (span.band_rad_s.map_or("–".into(), |[low, high]| format!("{low:.1} to {high:.1}"))) }
@@ -172,7 +191,7 @@ fn decimal(value: Option<f64>) -> String {
 }
 
 /// Input, rate with its set-point, angle; shaded where input and rate move.
-fn picture(curves: &[Curve], excitation: &[Span]) -> Option<String> {
+fn picture(curves: &[Curve], excitation: &[Span]) -> Option<Chart> {
     let times = || curves.iter().filter_map(|c| Some([*c.series.time_s.first()?, *c.series.time_s.last()?]));
     let from = times().map(|[from, _]| from).fold(f64::INFINITY, f64::min);
     let to = times().map(|[_, to]| to).fold(f64::NEG_INFINITY, f64::max);
@@ -195,8 +214,7 @@ fn picture(curves: &[Curve], excitation: &[Span]) -> Option<String> {
     });
     let panels: Vec<Panel> = drawn.collect();
     let label = "input, rate and angle over time".to_owned();
-    (!panels.is_empty())
-        .then(|| Chart { label, x: Axis::linear("time, s", from..to), panels, windows }.html())
+    (!panels.is_empty()).then(|| Chart { label, x: Axis::linear("time, s", from..to), panels, windows })
 }
 
 fn panel_of(curves: &[(&Curve, Tone)], windows: &[[f64; 2]]) -> Panel {

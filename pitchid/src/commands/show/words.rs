@@ -1,11 +1,10 @@
 //! What is shown of a log, as text.
 
 use super::content::{Shown, ShownAxis, ShownFlight, ShownRecording};
-use crate::format::plain;
+use crate::format::{fixed, plain, plural};
+use crate::input;
 use crate::logs::excitation::Span;
-use crate::logs::quoted;
 use crate::text::{heading, indented, paragraph, table};
-use std::path::Path;
 
 /// Spans that are listed; the others are counted.
 const MOST_SPANS: usize = 6;
@@ -20,14 +19,14 @@ pub fn text(shown: &[Shown]) -> String {
 }
 
 fn of_flight(flight: &ShownFlight) -> String {
-    let unknown = "firmware not told";
+    let unknown = "firmware unknown";
     let mut head =
         format!("{}: {}, {}", flight.name, flight.format, flight.firmware.as_deref().unwrap_or(unknown));
     if let Some(vehicle) = &flight.vehicle {
         head += &format!(", {vehicle}");
     }
     if let Some([from, to]) = flight.time_s {
-        head += &format!("; {:.1} s, from {from:.3} to {to:.3} s of its clock", to - from);
+        head += &format!("; {} of its clock", lasting([from, to]));
     }
     let mut text = paragraph(&head);
     for axis in &flight.axes {
@@ -39,8 +38,8 @@ fn of_flight(flight: &ShownFlight) -> String {
             topic.rows.to_string(),
             topic.rate_hz.map_or("-".into(), |rate| format!("{rate:.1}")),
             topic.gaps.to_string(),
-            format!("{:.3}", topic.time_s[0]),
-            format!("{:.3}", topic.time_s[1]),
+            fixed(topic.time_s[0], 3),
+            fixed(topic.time_s[1], 3),
         ]
     });
     text += &heading("Topics");
@@ -85,6 +84,11 @@ fn of_axis(axis: &ShownAxis, flight: &ShownFlight) -> String {
     text
 }
 
+/// "16.8 s, from 121.104 to 137.949 s".
+fn lasting([from, to]: [f64; 2]) -> String {
+    format!("{:.1} s, from {} to {} s", to - from, fixed(from, 3), fixed(to, 3))
+}
+
 fn length(span: &Span) -> f64 {
     span.time_s[1] - span.time_s[0]
 }
@@ -106,12 +110,12 @@ fn moving(spans: &[Span]) -> Vec<String> {
             let input = plain(span.input_deviation);
             let rate =
                 span.rate_deviation.map_or(String::new(), |rate| format!(", rate ± {} rad/s", plain(rate)));
-            format!("moves: {from:.1} to {to:.1} s{band}; input ± {input}{rate}")
+            format!("moves: {} to {} s{band}; input ± {input}{rate}", fixed(from, 1), fixed(to, 1))
         })
         .collect();
     if !rest.is_empty() {
         let seconds: f64 = rest.iter().map(|span| length(span)).sum();
-        lines.push(format!("moves: {} shorter spans, {seconds:.0} s together", rest.len()));
+        lines.push(format!("moves: {}, {seconds:.0} s together", plural(rest.len() as u64, "shorter span")));
     }
     if lines.is_empty() {
         lines.push("moves: never for as long as 3 s".into());
@@ -120,16 +124,15 @@ fn moving(spans: &[Span]) -> Vec<String> {
 }
 
 fn of_recording(recording: &ShownRecording) -> String {
-    let [from, to] = recording.time_s;
     let mut text = paragraph(&format!(
-        "{}: {}{}; {} rows at {} Hz, {} gaps; {:.1} s, from {from:.3} to {to:.3} s of its clock",
+        "{}: {}{}; {} at {} Hz, {}; {} of its clock",
         recording.name,
         recording.format,
         recording.axis.as_ref().map_or(String::new(), |axis| format!(", {axis}")),
-        recording.rows,
+        plural(recording.rows as u64, "row"),
         plain(recording.rate_hz),
-        recording.gaps,
-        to - from
+        plural(recording.gaps as u64, "gap"),
+        lasting(recording.time_s),
     ));
     let columns: Vec<String> = recording
         .columns
@@ -141,11 +144,11 @@ fn of_recording(recording: &ShownRecording) -> String {
         text += &indented(&words, "  ", "    ");
     }
     let axis = recording.axis.as_ref().map_or(String::new(), |axis| format!(" --axis {axis}"));
-    let file = quoted(Path::new(&recording.name));
+    let file = input::argument(&recording.name);
     text += &indented(&format!("next: pitchid diagnose {file}{axis}"), "  ", "    ");
     let rows = recording.sections.iter().map(|section| {
         let [from, to] = section.time_s;
-        vec![section.label.clone(), section.rows.to_string(), format!("{from:.3}"), format!("{to:.3}")]
+        vec![section.label.clone(), section.rows.to_string(), fixed(from, 3), fixed(to, 3)]
     });
     text += &heading("Sections");
     text += &table(&["section", "rows", "from, s", "to, s"], rows, 1);

@@ -14,7 +14,7 @@ fn built(flight: &Flight, sets: &[Vec<&'static dyn Effect>], names: bool) -> Dia
         if !names {
             models.named = models.baseline;
         }
-        build(&Judgement::new(problem, &parts, models, false), vec!["a note".into()])
+        build(&Judgement::new(problem, &parts, models, false, &|_| {}), vec!["a note".into()])
     })
 }
 
@@ -134,7 +134,7 @@ fn an_answer_has_no_figure_that_json_cannot_hold() {
         // The model without the stiffness is none: its trim's interval holds zero.
         *models.visited[2].fit.minimum.values.last_mut().unwrap() = 0.0;
         assert_eq!(models.visited[2].log_posterior(problem, 1.0), f64::NEG_INFINITY);
-        let diagnosis = build(&Judgement::new(problem, &parts, models, false), Vec::new());
+        let diagnosis = build(&Judgement::new(problem, &parts, models, false, &|_| {}), Vec::new());
         let json = serde_json::to_value(&diagnosis.answer).unwrap();
         let all = json["effects"].as_array().unwrap();
         assert!(!all.is_empty());

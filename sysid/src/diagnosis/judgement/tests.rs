@@ -11,7 +11,7 @@ fn judged<T>(flight: &Flight, ask: impl FnOnce(&Judgement<'_, '_>) -> T) -> T {
         let both = effects(&["gravity_stiffness", "quadratic_drag"]);
         let sets = [both[..1].to_vec(), both[1..].to_vec(), both];
         let selection = selection(problem, baseline, &parts, &sets);
-        ask(&Judgement::new(problem, &parts, selection, false))
+        ask(&Judgement::new(problem, &parts, selection, false, &|_| {}))
     })
 }
 
@@ -56,7 +56,7 @@ fn names_that_close_little_give_way_to_what_closes_more() {
         for (named, place) in [(1, 2), (2, 2)] {
             let mut models = selection(problem, baseline, &parts, &sets);
             (models.named, models.extended) = (named, named);
-            let judgement = Judgement::new(problem, &parts, models, false);
+            let judgement = Judgement::new(problem, &parts, models, false, &|_| {});
             assert_eq!(judgement.place, place);
             let gains = (judgement.grounds.gained_by_names, judgement.grounds.gained_by_all);
             assert_eq!(gains.0 < MATERIAL * gains.1, named == 1, "{gains:?}");

@@ -19,7 +19,7 @@ fn rotated<T>(flight: &Flight, ask: impl FnOnce(&Problem<'_>, &Selection, &Rotat
         let parts = quarters(problem);
         let selection = selection(problem, baseline, &parts, &[effects(&["gravity_stiffness"])]);
         let findings = selection.findings(problem, 1);
-        let rotation = rotate(problem, &selection, 1, &findings, &parts);
+        let rotation = rotate(problem, &selection, 1, &findings, &parts, &|_| {});
         ask(problem, &selection, &rotation)
     })
 }
@@ -56,7 +56,7 @@ fn a_term_that_one_part_alone_shows_is_not_chosen_without_it() {
     asked(&flown_by(1, u, cut), |problem, baseline| {
         let parts = quarters(problem);
         let selection = selection(problem, baseline, &parts, &[effects(&["servo_saturation"])]);
-        let rotation = rotate(problem, &selection, 1, &selection.findings(problem, 1), &parts);
+        let rotation = rotate(problem, &selection, 1, &selection.findings(problem, 1), &parts, &|_| {});
         let chosen: Vec<usize> = rotation.parts.iter().map(|part| part.chosen.len()).collect();
         assert_eq!(chosen, [1, 1, 1, 0]);
         assert_eq!(rotation.gain("servo_saturation").unwrap().chosen, 3);

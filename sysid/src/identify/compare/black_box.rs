@@ -39,7 +39,8 @@ pub(super) fn lms_and_kung(work: &Work, on_board: Option<&OnBoard>) -> Vec<Metho
     let verdict = match fitted.convergence.verdict {
         Verdict::Converged => "converged".to_owned(),
         other => format!(
-            "{other:?}: {:.1} time constants passed, {:.0} % of the power not predicted",
+            "{}: {:.1} time constants passed, {:.0} % of the power not predicted",
+            if other == Verdict::NotExcited { "not excited" } else { "still converging" },
             fitted.convergence.settling,
             100.0 * fitted.convergence.innovation_ratio
         ),

@@ -13,6 +13,7 @@ use crate::identify::output_error::Options;
 use crate::identify::pi_moesp::identify;
 use crate::model::plant::Plant;
 use crate::model::state_space::StateSpace;
+use crate::progress::Progress;
 use crate::validate::vaf::vaf;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -59,9 +60,10 @@ pub(super) fn matched(
     start: &Plant,
     weight: &Butterworth,
     settings: &Settings,
+    progress: &Progress<'_>,
 ) -> (MethodResult, Option<HinfReport>) {
     let name = "H∞ match";
-    match try_match(work, pi, start, weight, settings) {
+    match try_match(work, pi, start, weight, settings, progress) {
         Ok((found, report)) => {
             let [n, i] = report.matched_to;
             let detail = format!("to n = {n}, i = {i}");
@@ -87,6 +89,7 @@ fn try_match(
     start: &Plant,
     weight: &Butterworth,
     settings: &Settings,
+    progress: &Progress<'_>,
 ) -> Result<(HinfMatch, HinfReport), Error> {
     let none = |what| Error::new(ErrorKind::Numerical, what, "give longer sections");
     let chosen = pi.chosen.as_ref().ok_or_else(|| none("there is no PI-MOESP model to match"))?;
@@ -108,7 +111,7 @@ fn try_match(
     let rows: usize = work.training.iter().map(|piece| piece.rows.len()).sum();
     let affordable = (BOOTSTRAP_ROWS / rows.max(1)).max(ENOUGH);
     let all = if settings.replicates > 0 {
-        bootstrap(&recipe, settings.replicates.min(affordable), settings.seed)?
+        bootstrap(&recipe, settings.replicates.min(affordable), settings.seed, progress)?
     } else {
         Replicates::default()
     };

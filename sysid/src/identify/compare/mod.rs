@@ -29,6 +29,7 @@ use crate::held_out::{Split, labels};
 use crate::identify::lms::OnBoard;
 use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::file::ModelFile;
+use crate::progress::Progress;
 use crate::recording::{InputUnit, Recording};
 use crate::validate::coherence::Line;
 use crate::validate::cross_correlation::CrossCorrelation;
@@ -141,7 +142,7 @@ impl Default for Settings {
 pub fn identify(
     recordings: &[Recording],
     model: Option<&ModelFile>,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Identification, Error> {
     identify_with(recordings, model, &Settings::default(), progress)
 }
@@ -154,7 +155,7 @@ pub fn identify_with(
     recordings: &[Recording],
     model: Option<&ModelFile>,
     settings: &Settings,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Identification, Error> {
     let data = Dataset::new(recordings)?;
     let baseline = Baseline::new(model, &data)?;
@@ -163,7 +164,8 @@ pub fn identify_with(
     found.notes.extend(data.notes(recordings));
     if model.is_none() {
         found.notes.push(ASSUMED.into());
-        for parameter in found.parameters.iter_mut().chain(&mut found.parameters_coloured) {
+        let matched = found.hinf.iter_mut().flat_map(|hinf| &mut hinf.parameters);
+        for parameter in found.parameters.iter_mut().chain(&mut found.parameters_coloured).chain(matched) {
             parameter.unit = per_inertia(&parameter.unit);
         }
     }
@@ -179,29 +181,29 @@ pub fn identify_on(
     split: &Split,
     baseline: &Baseline,
     settings: &Settings,
-    progress: &(dyn Fn(&str) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Identification, Error> {
     let work = Work::new(data, split)?;
     if let Some(flown) = &settings.on_board {
         belongs(flown, data, work.step)?;
     }
-    progress("fitting the grey box");
+    progress("fitting the grey box".into());
     let grey = grey_box::fit_all(&work, baseline, settings.thorough)?;
     let mut methods = Vec::new();
-    progress("replaying the on-board LMS");
+    progress("replaying the on-board LMS".into());
     if data.has_rate {
         methods.extend(black_box::lms_and_kung(&work, settings.on_board.as_ref()));
     }
     methods.push(black_box::batch_fir(&work));
-    progress("choosing subspace models by cross-validation");
+    progress("choosing subspace models by cross-validation".into());
     let [pi, po] = black_box::subspace(&work, grey.plant.delay);
     methods.extend([pi.line.clone(), po.line]);
     methods.extend(grey.lines);
     let mut hinf = None;
     if data.has_rate {
-        progress("matching the grey box in the H∞ norm");
+        progress("matching the grey box in the H∞ norm".into());
         let weight = settings.weight.unwrap_or_else(|| work.weight());
-        let (line, report) = matching::matched(&work, &pi, &grey.plant, &weight, settings);
+        let (line, report) = matching::matched(&work, &pi, &grey.plant, &weight, settings, progress);
         methods.push(line);
         hinf = report;
     }
