@@ -150,7 +150,7 @@ pub fn blackbox(rows: u16) -> Vec<u8> {
 
 /// MAVLink 2: attitudes with their times of arrival.
 pub fn tlog(rows: u16) -> Vec<u8> {
-    use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, MavMessage};
+    use mavlink::dialects::common::{ATTITUDE_DATA, MavMessage};
     let mut bytes = Vec::new();
     for k in 0..rows {
         bytes.extend((1_700_000_000_000_000 + 100_000 * u64::from(k)).to_be_bytes());
