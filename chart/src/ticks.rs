@@ -41,7 +41,7 @@ pub fn linear(range: &Range<f64>, count: usize) -> Vec<f64> {
     }
 }
 
-/// Logarithms of 1, 2 and 5 times the powers of ten inside `range`, which is of logarithms to the base 10; the powers alone
+/// Logarithms of 1, 2 and 5, or 1 and 3, times the powers of ten inside `range`, which is of logarithms to the base 10; the powers alone
 /// where these would be more than `count`, and round values where they are fewer than two.
 pub fn logarithmic(range: &Range<f64>, count: usize) -> Vec<f64> {
     let decades = range.start.floor() as i32..=range.end.ceil() as i32;
@@ -49,12 +49,12 @@ pub fn logarithmic(range: &Range<f64>, count: usize) -> Vec<f64> {
         let all = decades.clone().flat_map(|d| factors.iter().map(move |f| f64::from(d) + f.log10()));
         all.filter(|v| range.contains(v)).collect()
     };
-    let all = at(&[1.0, 2.0, 5.0]);
     let powers = at(&[1.0]);
-    match () {
-        () if all.len() <= count.max(3) && all.len() > 1 => all,
-        () if powers.len() > 1 => powers,
-        () => linear(&(10_f64.powf(range.start)..10_f64.powf(range.end)), count)
+    let finer = [at(&[1.0, 2.0, 5.0]), at(&[1.0, 3.0])];
+    match finer.into_iter().find(|all| (2..=count.max(3)).contains(&all.len())) {
+        Some(all) => all,
+        None if powers.len() > 1 => powers,
+        None => linear(&(10_f64.powf(range.start)..10_f64.powf(range.end)), count)
             .iter()
             .map(|v| v.log10())
             .collect(),
@@ -102,6 +102,9 @@ mod tests {
         assert!(linear(&(1.0..1.0), 5).len() < 2);
         assert_eq!(linear(&(-0.09..0.18), 2), [0.0, 0.1]);
         assert!(linear(&(-0.19..0.18), 2).len() > 2, "not 0 alone");
+        let wide: Vec<f64> =
+            logarithmic(&(0.3..1.98), 4).into_iter().map(|v| 10_f64.powf(v).round()).collect();
+        assert_eq!(wide, [3.0, 10.0, 30.0], "evenly spread");
         let near: Vec<f64> =
             logarithmic(&(0.82..1.17), 3).into_iter().map(|v| 10_f64.powf(v).round()).collect();
         assert_eq!(near, [8.0, 10.0, 12.0, 14.0], "no power but 10 lies there");
