@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use estimator_core::Phase;
 use host_sim::Scenario;
-use mavlink::dialects::common::MavMessage;
+use messages::board::MavMessage;
 use pitchid_tests::chip::{Emulator, Pilot, twin};
 
 #[test]

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use firmware::servo::ServoConfig;
-use mavlink::dialects::common::MavMessage;
+use messages::board::MavMessage;
 use pitchid_tests::chip::debugger::{Debugger, Waiting};
 use pitchid_tests::chip::emulator::{FAULTS, FLIGHT};
 use pitchid_tests::chip::{Emulator, Pilot};

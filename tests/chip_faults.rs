@@ -5,8 +5,8 @@ use std::time::Duration;
 use estimator_core::Command;
 use firmware::link::frame::{Header, encode, sign};
 use firmware::link::signing::Key;
-use mavlink::MessageData;
-use mavlink::dialects::common::{
+use messages::MessageData;
+use messages::board::{
     COMMAND_LONG_DATA, HIL_SENSOR_DATA, HilSensorUpdatedFlags, MavCmd, MavMessage, MavResult,
     SETUP_SIGNING_DATA,
 };

@@ -5,9 +5,9 @@ use std::net::{TcpListener, TcpStream};
 use std::process::{Command, Stdio};
 
 use firmware::link::decoder::Decoder;
-use mavlink::MavlinkVersion::V2;
-use mavlink::Message;
-use mavlink::dialects::common::{DEBUG_FLOAT_ARRAY_DATA, MavMessage};
+use messages::MavlinkVersion::V2;
+use messages::Message;
+use messages::board::{DEBUG_FLOAT_ARRAY_DATA, MavMessage};
 use pitchid_tests::chip::case::scenario;
 use pitchid_tests::chip::{Emulator, Pilot, Simulated};
 

@@ -8,7 +8,7 @@ use firmware::link::telemetry::PIECE;
 use firmware::link::upload::pieces;
 use firmware::watch::Watch;
 use host_sim::{Background, Plant, Scenario};
-use mavlink::dialects::common::{DEBUG_FLOAT_ARRAY_DATA, MavCmd};
+use messages::board::{DEBUG_FLOAT_ARRAY_DATA, MavCmd};
 use pitchid_tests::chip::{Emulator, Flash, Pilot, case, twin};
 use sysid::monitor::design;
 use sysid::recording::{ReadOptions, parse};

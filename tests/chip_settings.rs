@@ -7,8 +7,8 @@ use firmware::link::frame::{Header, encode, sign};
 use firmware::link::signing::Key;
 use firmware::parameters::{self, PARAMETERS};
 use firmware::settings::Settings;
-use mavlink::MessageData;
-use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd, MavMessage, MavResult};
+use messages::MessageData;
+use messages::board::{COMMAND_LONG_DATA, MavCmd, MavMessage, MavResult};
 use pitchid_tests::chip::twin::NOT_KEPT;
 use pitchid_tests::chip::{Flash, Pilot};
 

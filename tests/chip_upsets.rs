@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use estimator_core::{Config, Phase, Section};
-use mavlink::dialects::common::{
+use messages::board::{
     COMMAND_LONG_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavResult, PARAM_REQUEST_LIST_DATA,
     PARAM_REQUEST_READ_DATA,
 };

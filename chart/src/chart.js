@@ -82,9 +82,9 @@
         ticks(...across, 8, plot.log.includes('x')).forEach((v, k) => {
           const at = 100 * (v - across[0]) / (across[1] - across[0]) + '%';
           made('line', { x1: at, x2: at, y1: 0, y2: '100%' }, plot.grid);
-          made('text', { class: k % 2 ? 'x odd' : 'x', x: at, y: '100%', dy: 15 }, plot.grid).textContent = shown(value([v, v], 0, plot.log.includes('x')));
+          made('text', { class: k % 2 ? 'x odd' : 'x', x: at, y: '100%', dy: 18 }, plot.grid).textContent = shown(value([v, v], 0, plot.log.includes('x')));
         });
-        ticks(...up, Math.max(2, plot.svg.clientHeight / 42), plot.log.includes('y')).forEach(v => {
+        ticks(...up, Math.max(2, plot.svg.clientHeight / 34), plot.log.includes('y')).forEach(v => {
           const at = 100 - 100 * (v - up[0]) / (up[1] - up[0]) + '%';
           made('line', { x1: 0, x2: '100%', y1: at, y2: at }, plot.grid);
           made('text', { class: 'y', x: -6, y: at, dy: 4 }, plot.grid).textContent = shown(value([v, v], 0, plot.log.includes('y')));

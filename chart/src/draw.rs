@@ -12,7 +12,7 @@ const LINES: [u32; 2] = [20, 24];
 /// About as many ticks on x.
 const ACROSS: usize = 9;
 /// CSS pixels between ticks on y, about.
-const APART: usize = 42;
+const APART: usize = 34;
 
 impl Chart {
     /// The chart as a part of a page that has [`STYLE`](crate::STYLE) and, to be moved, [`SCRIPT`](crate::SCRIPT).
@@ -119,7 +119,7 @@ impl Chart {
             let at = format!("{:.2}%", 100.0 * share);
             let _ = write!(
                 grid,
-                "<line x1=\"{at}\" x2=\"{at}\" y1=\"0\" y2=\"100%\"/><text class=\"x{odd}\" x=\"{at}\" y=\"100%\" dy=\"15\">{text}</text>"
+                "<line x1=\"{at}\" x2=\"{at}\" y1=\"0\" y2=\"100%\"/><text class=\"x{odd}\" x=\"{at}\" y=\"100%\" dy=\"18\">{text}</text>"
             );
         }
         for (share, text) in ticks(&panel.y, (panel.height as usize / APART).max(2)) {

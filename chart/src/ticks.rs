@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-/// The range of some values with a margin of 6 % on either side; around 0 where there is nothing to see.
+/// The range of some values with a margin of 6 % on either side, of the value where there is but one; around 0 where there is nothing
+/// to see.
 pub fn padded(values: impl IntoIterator<Item = f64>) -> Range<f64> {
     let (low, high) = values
         .into_iter()
@@ -11,33 +12,53 @@ pub fn padded(values: impl IntoIterator<Item = f64>) -> Range<f64> {
     if low > high {
         return -1.0..1.0;
     }
-    let margin = (0.06 * (high - low)).max(1e-9 * (1.0 + high.abs()));
+    let margin = match high.abs() {
+        0.0 if low == high => 1.0,
+        of if low == high => 0.06 * of,
+        of => (0.06 * (high - low)).max(1e-9 * (1.0 + of)),
+    };
     low - margin..high + margin
 }
 
-/// Round values inside `range`, about `count` of them: multiples of 1, 2 or 5 times a power of ten.
+/// Round values inside `range`, about `count` of them and at least two: multiples of 1, 2 or 5 times a power of ten.
 pub fn linear(range: &Range<f64>, count: usize) -> Vec<f64> {
     let least = (range.end - range.start) / count as f64;
     let power = 10_f64.powf(least.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|step| *step >= least);
-    let Some(step) = step else { return Vec::new() };
-    let [first, last] = [(range.start / step).ceil(), (range.end / step).floor()];
-    (0..=(last - first).max(-1.0) as usize)
-        .map(|k| (first + k as f64) * step)
-        .filter(|v| *v <= range.end)
-        .collect()
+    let by = |step: f64| -> Vec<f64> {
+        let [first, last] = [(range.start / step).ceil(), (range.end / step).floor()];
+        (0..=(last - first).max(-1.0) as usize)
+            .map(|k| (first + k as f64) * step)
+            .filter(|v| *v <= range.end)
+            .collect()
+    };
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|m| m * power);
+    let Some(coarse) = steps.into_iter().position(|step| step >= least) else { return Vec::new() };
+    let all = by(steps[coarse]);
+    if all.len() < 2 {
+        by(steps.get(coarse.wrapping_sub(1)).map_or(0.5 * power, |finer| *finer))
+    } else {
+        all
+    }
 }
 
-/// Logarithms of 1, 2 and 5 times the powers of ten inside `range`, which is of logarithms to the base 10; the powers alone
-/// where these would be more than `count`.
+/// Logarithms of 1, 2 and 5, or 1 and 3, times the powers of ten inside `range`, which is of logarithms to the base 10; the powers alone
+/// where these would be more than `count`, and round values where they are fewer than two.
 pub fn logarithmic(range: &Range<f64>, count: usize) -> Vec<f64> {
     let decades = range.start.floor() as i32..=range.end.ceil() as i32;
     let at = |factors: &'static [f64]| -> Vec<f64> {
         let all = decades.clone().flat_map(|d| factors.iter().map(move |f| f64::from(d) + f.log10()));
         all.filter(|v| range.contains(v)).collect()
     };
-    let all = at(&[1.0, 2.0, 5.0]);
-    if all.len() <= count { all } else { at(&[1.0]) }
+    let powers = at(&[1.0]);
+    let finer = [at(&[1.0, 2.0, 5.0]), at(&[1.0, 3.0])];
+    match finer.into_iter().find(|all| (2..=count.max(3)).contains(&all.len())) {
+        Some(all) => all,
+        None if powers.len() > 1 => powers,
+        None => linear(&(10_f64.powf(range.start)..10_f64.powf(range.end)), count)
+            .iter()
+            .map(|v| v.log10())
+            .collect(),
+    }
 }
 
 /// A tick as people write it: true minus sign, no needless zeros.
@@ -68,6 +89,7 @@ mod tests {
         let range = padded([2.0, 2.0]);
         assert!(range.start < 2.0 && range.end > 2.0);
         assert_eq!(padded([f64::NAN]), -1.0..1.0);
+        assert_eq!(padded([0.0, 0.0]), -1.0..1.0);
     }
 
     #[test]
@@ -78,5 +100,13 @@ mod tests {
         assert_eq!(logarithmic(&(0.0..1.5), 9).len(), 5, "1, 2, 5, 10, 20");
         assert_eq!(logarithmic(&(-3.5..3.5), 9).len(), 7);
         assert!(linear(&(1.0..1.0), 5).len() < 2);
+        assert_eq!(linear(&(-0.09..0.18), 2), [0.0, 0.1]);
+        assert!(linear(&(-0.19..0.18), 2).len() > 2, "not 0 alone");
+        let wide: Vec<f64> =
+            logarithmic(&(0.3..1.98), 4).into_iter().map(|v| 10_f64.powf(v).round()).collect();
+        assert_eq!(wide, [3.0, 10.0, 30.0], "evenly spread");
+        let near: Vec<f64> =
+            logarithmic(&(0.82..1.17), 3).into_iter().map(|v| 10_f64.powf(v).round()).collect();
+        assert_eq!(near, [8.0, 10.0, 12.0, 14.0], "no power but 10 lies there");
     }
 }

@@ -5,7 +5,7 @@
 //! old time as a late sample, one that does not claim to hold rate and specific force as a missing one.
 
 use estimator_core::constants::TICK_US;
-use mavlink::dialects::common::{HIL_SENSOR_DATA, HilSensorUpdatedFlags as Updated};
+use messages::board::{HIL_SENSOR_DATA, HilSensorUpdatedFlags as Updated};
 
 use crate::pitch_filter::Motion;
 

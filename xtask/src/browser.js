@@ -32,7 +32,7 @@
     return found;
   };
 
-  addEventListener('load', () => {
+  addEventListener('load', async () => {
     const width = document.documentElement.clientWidth;
     if (document.documentElement.scrollWidth > width) complain(`the page is ${document.documentElement.scrollWidth} px wide in ${width}`);
     for (const table of document.querySelectorAll('.table')) {
@@ -49,7 +49,17 @@
     for (const figure of document.querySelectorAll('figure')) {
       if (figure.getBoundingClientRect().height > 980) complain('a figure is higher than a sheet of paper');
     }
-    for (const element of document.querySelectorAll('button, [tabindex]')) {
+    for (const grid of document.querySelectorAll('.grid')) {
+      const boxes = [...grid.querySelectorAll('text')].filter(shown).map(text => [text.getBoundingClientRect(), text.textContent]);
+      boxes.forEach(([a, one], k) => boxes.slice(k + 1).forEach(([b, other]) => {
+        const apart = a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
+        if (!apart) complain(`${one} and ${other} stand on one another`);
+      }));
+    }
+    for (const element of document.querySelectorAll('a[href], button, summary, [tabindex]')) {
+      if (element.tabIndex > 0) complain(`${element.tagName} leaves the order of the page`);
+      element.focus({ preventScroll: true });
+      if (document.activeElement === element && getComputedStyle(element).outlineStyle === 'none') complain(`${element.tagName} does not show that it is chosen`);
       if (!element.textContent.trim() && !element.getAttribute('aria-label')) complain(`${element.tagName} has no name`);
     }
     const plots = [...document.querySelectorAll('.plot')];
@@ -75,6 +85,9 @@
       if (own.some(path => getComputedStyle(path).display === 'none')) complain(`${button.textContent} does not come back`);
     }
     if (performance.getEntriesByType('resource').length) complain('something was fetched');
+    const tags = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'];
+    const { violations } = await axe.run(document, { runOnly: tags, resultTypes: ['violations'], preload: false, iframes: false });
+    for (const { id, help, nodes } of violations) complain(`axe ${id}: ${help}: ${nodes.length} times, the first ${nodes[0].html.slice(0, 120)}`);
     parent.postMessage(`CHECKED ${plots.length} plots, ${texts().length} texts, at ${width} px, ${matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light'}\n${said.join('\n')}\nEND`, '*');
   });
 })();

@@ -1,12 +1,14 @@
 //! `cargo xtask image | chip-test | flash`: the flight image, built, tested in the emulator, put on a board.
 //! `cargo xtask book | book-check`: the book's pages of the effects, and the book built and held to what it says.
 //! `cargo xtask browser`: the pages of the program in a real browser.
+//! `cargo xtask messages`: the code of the messages from their definitions.
 
 mod book;
 mod browser;
 mod budget;
 mod chip_test;
 mod image;
+mod messages;
 mod no_panic;
 
 use std::process::{Command, ExitCode};
@@ -20,6 +22,7 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   flash       build the flight image and put it on a board (probe-rs)
   book        write the book's pages of the effects: simulates and diagnoses each
   book-check  build the book (mdbook), follow its links, run its commands
+  messages    write the code of the board's messages from their definitions (mavlink-bindgen)
   browser     look at the pages of the program in Chromium";
 
 fn main() -> ExitCode {
@@ -31,6 +34,7 @@ fn main() -> ExitCode {
         Some("flash") => flash(),
         Some("book") => book::pages(),
         Some("book-check") => book::check(),
+        Some("messages") => messages::write(),
         Some("browser") => browser::check(),
         _ => Err(USAGE.to_owned()),
     };

@@ -12,7 +12,7 @@ use firmware::store::NotKept;
 use firmware::watch::Watch;
 use heapless::String;
 use heapless::spsc::{Consumer, Producer};
-use mavlink::dialects::common::MavSeverity;
+use messages::board::MavSeverity;
 use stm32f4xx_hal::pac::Interrupt;
 
 use super::control::{Desk, Report, Test};

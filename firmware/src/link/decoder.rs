@@ -3,7 +3,7 @@
 //! Bytes are kept until they make a frame of a known message with a valid checksum. When they cannot, the first of them is
 //! dropped and the search for a start goes on *within* what is kept, so a frame that follows garbage is not lost.
 
-use mavlink::calculate_crc;
+use messages::calculate_crc;
 
 /// First byte of a MAVLink 2 frame.
 const START: u8 = 0xFD;
@@ -121,8 +121,8 @@ impl Decoder {
 mod tests {
     use super::*;
     use crate::link::frame::{Header, encode};
-    use mavlink::MessageData;
-    use mavlink::dialects::common::{HEARTBEAT_DATA, MANUAL_CONTROL_DATA};
+    use messages::MessageData;
+    use messages::board::{HEARTBEAT_DATA, MANUAL_CONTROL_DATA};
     use proptest::prelude::*;
 
     fn known(id: u32) -> Option<u8> {

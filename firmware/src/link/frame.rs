@@ -1,7 +1,7 @@
 //! Messages into frames.
 
 use heapless::Vec;
-use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData, calculate_crc};
+use messages::{MAVLinkV2MessageRaw, MavHeader, MessageData, calculate_crc};
 
 use crate::link::decoder::{LONGEST, SIGNATURE, SIGNED};
 use crate::link::signing::Key;

@@ -14,9 +14,9 @@ use estimator_core::constants::MAX_TAPS;
 use estimator_core::monitor::{MonitorReport, Verdict};
 use estimator_core::{Config, ConfigError, Cycle, Event, Phase, Telemetry};
 use heapless::String;
-use mavlink::MavlinkVersion::V2;
-use mavlink::MessageData;
-use mavlink::dialects::common::{
+use messages::MavlinkVersion::V2;
+use messages::MessageData;
+use messages::board::{
     COMMAND_ACK_DATA, COMMAND_LONG_DATA, DEBUG_FLOAT_ARRAY_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA,
     MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavModeFlag, MavParamType, MavResult, MavSeverity, MavState,
     MavType, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, PARAM_VALUE_DATA,

@@ -82,8 +82,8 @@ mod tests {
     use super::*;
     use crate::link::decoder::Decoder;
     use crate::link::frame::{Bytes, Header, encode, sign};
-    use mavlink::MessageData;
-    use mavlink::dialects::common::MANUAL_CONTROL_DATA;
+    use messages::MessageData;
+    use messages::board::MANUAL_CONTROL_DATA;
 
     const EXTRA: u8 = MANUAL_CONTROL_DATA::EXTRA_CRC;
 

@@ -21,11 +21,11 @@
 
 use estimator_core::monitor::{CAUSES, MonitorReport};
 use estimator_core::{Phase, Section, Telemetry, Verdict};
-use mavlink::dialects::common::{
+use messages::board::{
     ATTITUDE_DATA, DEBUG_FLOAT_ARRAY_DATA, HIL_ACTUATOR_CONTROLS_DATA, HilActuatorControlsFlags, MavModeFlag,
     MavSeverity, NAMED_VALUE_FLOAT_DATA, STATUSTEXT_DATA,
 };
-use mavlink::types::CharArray;
+use messages::types::CharArray;
 
 use crate::servo::ServoConfig;
 

@@ -13,7 +13,7 @@
 use core::fmt;
 
 use estimator_core::monitor::{MonitorModel, NUMBERS, Refusal};
-use mavlink::dialects::common::DEBUG_FLOAT_ARRAY_DATA;
+use messages::board::DEBUG_FLOAT_ARRAY_DATA;
 
 use crate::digest::digest;
 use crate::link::telemetry::{PIECE, array};

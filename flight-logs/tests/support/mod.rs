@@ -150,7 +150,7 @@ pub fn blackbox(rows: u16) -> Vec<u8> {
 
 /// MAVLink 2: attitudes with their times of arrival.
 pub fn tlog(rows: u16) -> Vec<u8> {
-    use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, MavMessage};
+    use messages::board::{ATTITUDE_DATA, MavMessage};
     let mut bytes = Vec::new();
     for k in 0..rows {
         bytes.extend((1_700_000_000_000_000 + 100_000 * u64::from(k)).to_be_bytes());
@@ -160,8 +160,8 @@ pub fn tlog(rows: u16) -> Vec<u8> {
             pitchspeed: f32::from(k).cos(),
             ..ATTITUDE_DATA::default()
         };
-        let header = mavlink::MavHeader { system_id: 1, component_id: 1, sequence: k as u8 };
-        mavlink::write_v2_msg(&mut bytes, header, &MavMessage::ATTITUDE(attitude))
+        let header = messages::MavHeader { system_id: 1, component_id: 1, sequence: k as u8 };
+        messages::write_v2_msg(&mut bytes, header, &MavMessage::ATTITUDE(attitude))
             .expect("written to memory");
     }
     bytes

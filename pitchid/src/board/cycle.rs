@@ -1,7 +1,7 @@
 //! What the board reports of each cycle: `DEBUG_FLOAT_ARRAY` with the name `cycle`, laid out as the image's
 //! `link::telemetry` tells.
 
-use mavlink::dialects::common::DEBUG_FLOAT_ARRAY_DATA;
+use messages::board::DEBUG_FLOAT_ARRAY_DATA;
 use std::fmt;
 
 /// Where the supervisor stands.

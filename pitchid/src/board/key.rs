@@ -1,7 +1,7 @@
 //! The secret that signs what is sent to a board with a key set.
 
 use crate::failure::Failure;
-use mavlink::{SigningConfig, SigningData};
+use messages::{SigningConfig, SigningData};
 use std::path::Path;
 
 /// The file holds 64 hexadecimal digits.

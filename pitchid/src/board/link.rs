@@ -4,9 +4,9 @@
 
 use super::port::{Ends, Port};
 use crate::failure::Failure;
-use mavlink::dialects::common::MavMessage;
-use mavlink::error::MessageReadError;
-use mavlink::{MavHeader, MavlinkReader, MavlinkVersion, SigningData, write_v2_msg_signed};
+use messages::board::MavMessage;
+use messages::error::MessageReadError;
+use messages::{MavHeader, MavlinkReader, MavlinkVersion, SigningData, write_v2_msg_signed};
 use std::io::{ErrorKind, Read, Write};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -7,7 +7,7 @@ use super::{CycleReport, Key, Log, Port, Stop};
 use crate::failure::Failure;
 use crate::output;
 use estimator_core::monitor::MonitorModel;
-use mavlink::dialects::common::{
+use messages::board::{
     COMMAND_LONG_DATA, DEBUG_FLOAT_ARRAY_DATA, MavCmd, MavMessage, MavResult, PARAM_REQUEST_LIST_DATA,
     PARAM_SET_DATA,
 };

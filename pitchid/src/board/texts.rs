@@ -1,6 +1,6 @@
 //! Texts of the board, put together from their pieces.
 
-use mavlink::dialects::common::STATUSTEXT_DATA;
+use messages::board::STATUSTEXT_DATA;
 
 const PIECE: usize = 50;
 
@@ -32,7 +32,7 @@ impl Texts {
 mod tests {
     use super::*;
     use firmware::link::telemetry::texts;
-    use mavlink::dialects::common::MavSeverity;
+    use messages::board::MavSeverity;
 
     #[test]
     fn long_texts_are_put_together_and_short_ones_pass() {

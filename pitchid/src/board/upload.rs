@@ -2,7 +2,7 @@
 //! The board answers every piece under the same name and number.
 
 use estimator_core::monitor::MonitorModel;
-use mavlink::dialects::common::DEBUG_FLOAT_ARRAY_DATA;
+use messages::board::DEBUG_FLOAT_ARRAY_DATA;
 use sha2::{Digest, Sha256};
 
 const NAME: &str = "model";

@@ -63,21 +63,23 @@ fn axes(component: &Component) -> (String, String) {
     let unit = component.input_unit;
     let per_unit = |of: &str| if unit == "1" { of.to_owned() } else { format!("{of}/{unit}") };
     let (signal, y) = match component.picture {
-        Picture::Moment(Signal::Command) => (Some(Signal::Command), "moment beside ∂M/∂u·u, N m".to_owned()),
-        Picture::Moment(signal) => (Some(signal), "moment, N m".into()),
-        Picture::Loop => (Some(Signal::Angle), "moment, N m".into()),
-        Picture::Gain(signal) => (Some(signal), format!("∂M/∂u, {}", per_unit("N m"))),
-        Picture::Damping(signal) => (Some(signal), "∂M/∂q, N m s/rad".into()),
+        Picture::Moment(Signal::Command) => {
+            (Some(Signal::Command), "missing moment beside ∂M/∂u·u, N m".to_owned())
+        }
+        Picture::Moment(signal) => (Some(signal), "missing moment, N m".into()),
+        Picture::Loop => (Some(Signal::Angle), "missing moment, N m".into()),
+        Picture::Gain(signal) => (Some(signal), format!("effectiveness ∂M/∂u, {}", per_unit("N m"))),
+        Picture::Damping(signal) => (Some(signal), "damping ∂M/∂q, N m s/rad".into()),
         Picture::StepResponse => (None, format!("moment per command, {}", per_unit("N m"))),
         Picture::Measured(signal) => (Some(signal), "added to the measured rate, rad/s".into()),
     };
     let x = match signal {
         None => "time since a step of the command, s".into(),
-        Some(Signal::Rate) => "q, rad/s".into(),
-        Some(Signal::Angle) => "θ, rad".into(),
-        Some(Signal::Command) => format!("u after the delay, {unit}"),
+        Some(Signal::Rate) => "pitch rate q, rad/s".into(),
+        Some(Signal::Angle) => "pitch angle θ, rad".into(),
+        Some(Signal::Command) => format!("command u after the delay, {unit}"),
         Some(Signal::Time) => "time, s".into(),
-        Some(Signal::RollRate) => "p, rad/s".into(),
+        Some(Signal::RollRate) => "roll rate p, rad/s".into(),
         Some(Signal::RollCommand) => "command of roll".into(),
         Some(Signal::Thrust) => "thrust relative to its mean".into(),
         Some(Signal::Voltage) => "voltage relative to its mean".into(),

@@ -217,9 +217,18 @@ pub fn moments(content: &Content, traces: &[Trace], over_time: &OverTime) -> Vec
     (0..count.min(MOST_RECORDINGS)).map(figure).collect()
 }
 
-/// The last section: the closed loop, where a test has one.
+/// The section in which the model after gains most on the one before; the last, which is the closed loop where a test has one,
+/// where nothing is gained.
 pub fn headline_trace(traces: &[Trace]) -> Option<&Trace> {
-    traces.last()
+    let left = |trace: &Trace, simulated: &[f64]| -> f64 {
+        trace.measured.iter().zip(simulated).map(|(m, s)| (m - s).powi(2)).sum()
+    };
+    let gain = |trace: &Trace| {
+        let whole: f64 = trace.measured.iter().map(|m| m * m).sum();
+        (left(trace, &trace.baseline).min(whole) - left(trace, &trace.extended).min(whole)) / whole
+    };
+    let most = traces.iter().map(|trace| (trace, gain(trace))).filter(|(_, gain)| *gain > 0.0);
+    most.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(trace, _)| trace).or(traces.last())
 }
 
 /// Whether anything was added to the model.

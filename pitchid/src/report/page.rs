@@ -27,6 +27,7 @@ pub fn page(report: &Report<'_>, figures: &Figures) -> String {
             p { (answer.summary) }
         }
         (wide("What was recorded", &figures.recorded))
+        (side_by_side("What is missing, as the data have it", figures.terms.iter()))
         @if let Some(first) = &figures.first {
             h2 { "Measured and simulated" }
             (first.html())
@@ -38,7 +39,6 @@ pub fn page(report: &Report<'_>, figures: &Figures) -> String {
             h2 { "What was added" }
             @for effect in &content.effects { (card(effect)) }
         }
-        (side_by_side("What the data say of each term", figures.terms.iter()))
         @if let Some(left) = &content.remainder {
             h2 { "What is left" }
             p { (left) }

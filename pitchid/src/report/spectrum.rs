@@ -12,6 +12,8 @@ use sysid::validate::coherence::{Line, coherence};
 const NORMAL_95: f64 = 1.96;
 /// Frequencies at which the input moves the output less than this (γ²) show nothing of the response.
 const LEAST_COHERENCE: f64 = 0.3;
+/// Room beside the outermost points, by which none is cut, as a share of the axis.
+const EDGE: f64 = 0.02;
 /// What lies this many decades below the largest is not drawn.
 const DECADES: f64 = 6.0;
 
@@ -112,5 +114,7 @@ fn unwrap(lines: &mut [Line]) {
 
 fn ends(values: impl Iterator<Item = f64> + Clone) -> Range<f64> {
     let low = values.clone().fold(f64::INFINITY, f64::min);
-    low..values.fold(low + 1e-3, f64::max)
+    let high = values.fold(low + 1e-3, f64::max);
+    let room = EDGE * (high - low);
+    low - room..high + room
 }

@@ -309,14 +309,19 @@ impl Judgement<'_, '_> {
         physics.map(|test| test.windows.clone()).find(|windows| !windows.is_empty()).or_else(|| self.since())
     }
 
-    /// From the moment on that an effect begins at to the end of the data, where an effect has such a moment.
+    /// From the moment on that an effect begins at to the one it ends at, or the end of the data, where an effect has such a moment.
     fn since(&self) -> Option<Vec<[f64; 2]>> {
-        let begin = self.named.iter().find_map(|finding| {
-            let i = finding.effect.begins_at()?;
-            self.values_of(finding.effect.about().id).get(i).map(|moment| moment + self.problem.data.origin())
+        let origin = self.problem.data.origin();
+        let [begin, end] = self.named.iter().find_map(|finding| {
+            let values = self.values_of(finding.effect.about().id);
+            let moment = |i: Option<usize>| values.get(i?).map(|moment| moment + origin);
+            Some([
+                moment(finding.effect.begins_at())?,
+                moment(finding.effect.ends_at()).unwrap_or(f64::INFINITY),
+            ])
         })?;
         let ends = self.problem.data.runs.iter().map(|run| run.time(run.len().saturating_sub(1)));
-        Some(vec![[begin, ends.fold(begin, f64::max)]])
+        Some(vec![[begin, ends.fold(begin, f64::max).min(end)]])
     }
 }
 

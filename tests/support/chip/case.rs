@@ -2,7 +2,7 @@
 
 use estimator_core::{Command, Config, Event, Phase, Telemetry};
 use host_sim::Scenario;
-use mavlink::dialects::common::{HIL_SENSOR_DATA, MavCmd};
+use messages::board::{HIL_SENSOR_DATA, MavCmd};
 
 use super::twin::{configure, lockstep};
 use super::{Emulator, Pilot, Simulated, Twin};

@@ -5,12 +5,12 @@ use std::time::{Duration, Instant};
 
 use firmware::link::decoder::Decoder;
 use firmware::link::frame::{Header, encode};
-use mavlink::MavlinkVersion::V2;
-use mavlink::dialects::common::{
+use messages::MavlinkVersion::V2;
+use messages::board::{
     COMMAND_LONG_DATA, DEBUG_FLOAT_ARRAY_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavModeFlag,
     MavResult, PARAM_SET_DATA,
 };
-use mavlink::{Message, MessageData};
+use messages::{Message, MessageData};
 
 use super::Emulator;
 

@@ -14,7 +14,7 @@ use host_sim::aircraft::Aircraft;
 use host_sim::pilot::ManualReference;
 use host_sim::seeds::{Stream, generator};
 use host_sim::vehicle::SimulatedVehicle;
-use mavlink::dialects::common::{
+use messages::board::{
     DEBUG_FLOAT_ARRAY_DATA, HIL_SENSOR_DATA, HilSensorUpdatedFlags, MavMessage, NAMED_VALUE_FLOAT_DATA,
 };
 
