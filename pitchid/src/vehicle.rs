@@ -49,17 +49,18 @@ pub struct Vehicle {
     pub sections: Vec<SectionSpec>,
     /// Sections by the file's labels: the name, and the label.
     labels: Vec<(String, String)>,
-    limits: Limits,
+    /// Within what it is to stay.
+    pub limits: Limits,
 }
 
 /// Within what the vehicle is to stay.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-struct Limits {
+pub struct Limits {
     /// Largest attitude, rad.
-    attitude_rad: Option<f64>,
+    pub attitude_rad: Option<f64>,
     /// Largest input, in its unit.
-    input: Option<f64>,
+    pub input: Option<f64>,
 }
 
 /// The file as it stands.

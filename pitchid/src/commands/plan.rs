@@ -11,6 +11,7 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
 use crate::report::repeat::Repeat;
+use crate::vehicle::{Limits, Wanted};
 use clap::Args;
 use experiment::{Craft, Plan, Weather, Wishes, plan};
 use flight_logs::axes::Axis;
@@ -28,7 +29,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// What is known of the craft: a model file, as pitchid identify or diagnose writes it
-    #[arg(long, value_name = "MODEL.toml", required_unless_present_all = ["mass", "arm"], conflicts_with_all = ["mass", "arm"])]
+    #[arg(long, value_name = "MODEL.toml", conflicts_with_all = ["mass", "arm"])]
     model: Option<PathBuf>,
 
     /// The axis of a model file of several [default: pitch]
@@ -48,16 +49,16 @@ pub struct Arguments {
     rivals: Option<Vec<EffectSpec>>,
 
     /// The answer of a diagnosis that ended with rivals, as pitchid diagnose --json wrote it
-    #[arg(long, value_name = "ANSWER.json", requires = "model")]
+    #[arg(long, value_name = "ANSWER.json", conflicts_with = "mass")]
     diagnosis: Option<PathBuf>,
 
-    /// Angle that must not be passed, rad: the travel of the rig, or what the pilot bears
-    #[arg(long, value_name = "RAD", default_value_t = 0.5)]
-    limit: f64,
+    /// Angle that must not be passed, rad: the travel of the rig, or what the pilot bears [default: that of pitchid.toml, or 0.5]
+    #[arg(long, value_name = "RAD")]
+    limit: Option<f64>,
 
-    /// Largest amplitude of the excitation, rad
-    #[arg(long, value_name = "RAD", default_value_t = 0.03)]
-    amplitude: f64,
+    /// Largest amplitude of the excitation, rad [default: that of pitchid.toml, or 0.03]
+    #[arg(long, value_name = "RAD")]
+    amplitude: Option<f64>,
 
     /// Share of the excitation that the supervisor may take, %
     #[arg(long, value_name = "PERCENT", default_value_t = 15.0)]
@@ -94,7 +95,15 @@ pub struct Arguments {
     /// Write the plan as JSON; - is standard output, which then carries nothing else
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
+
+    #[command(flatten)]
+    wanted: Wanted,
 }
+
+/// Angle that must not be passed where nothing is said, rad: the travel of the paper's test-bed.
+const LIMIT_RAD: f64 = 0.5;
+/// Most that the board takes as an amplitude, rad.
+const MOST_AMPLITUDE_RAD: f64 = 0.03;
 
 const AFTER_HELP: &str = "\
 The folder holds afterwards:
@@ -111,14 +120,20 @@ Exit status: 0 there is a plan; 2 no excitation keeps the limits, or the argumen
 
 /// Plans.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let inputs: Vec<&Path> =
-        arguments.model.iter().chain(&arguments.diagnosis).map(PathBuf::as_path).collect();
+    let vehicle = arguments.wanted.find()?;
+    if let Some(vehicle) = &vehicle {
+        vehicle.say();
+    }
+    let own_model = vehicle.as_ref().and_then(|vehicle| vehicle.model.as_ref());
+    let model = arguments.model.as_ref().or(own_model.filter(|_| arguments.mass.is_none()));
+    let inputs: Vec<&Path> = model.into_iter().chain(&arguments.diagnosis).map(PathBuf::as_path).collect();
     output::check(arguments.json.as_deref(), &inputs)?;
     if let Some(folder) = &arguments.out {
         output::folder(folder)?;
     }
-    let wishes = wishes(arguments)?;
-    let craft = craft(arguments)?;
+    let limits = vehicle.as_ref().map(|vehicle| vehicle.limits).unwrap_or_default();
+    let wishes = wishes(arguments, limits)?;
+    let craft = craft(arguments, model)?;
     let progress = Progress::start("reading");
     let (craft, rivals) = rivals::asked(arguments, craft, &wishes)?;
     let planned = plan(&craft, &wishes, rivals.as_ref(), &|what| progress.say(what))?;
@@ -127,19 +142,24 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     output::print(&write(arguments, &planned, &wishes, &craft, &inputs)?)
 }
 
-fn craft(arguments: &Arguments) -> Result<Craft, Failure> {
+fn craft(arguments: &Arguments, model: Option<&PathBuf>) -> Result<Craft, Failure> {
     let axis: Option<Axis> = arguments.axis.map(crate::axes::AxisChoice::single).transpose()?;
-    Ok(match (&arguments.model, arguments.mass, arguments.arm) {
+    Ok(match (model, arguments.mass, arguments.arm) {
         (Some(path), ..) => Craft::of_model(model_at(path, axis)?, &path.display().to_string())?,
         (None, Some(mass), Some(arm)) => Craft::of_size_and_mass(mass, arm)?,
-        _ => unreachable!("clap asks for a model, or for size and mass"),
+        _ => {
+            let help = "give --model MODEL.toml, or --mass KG and --arm M, or name a model in pitchid.toml";
+            return Err(Failure::new("nothing is known of the craft", help));
+        }
     })
 }
 
-fn wishes(arguments: &Arguments) -> Result<Wishes, Failure> {
+fn wishes(arguments: &Arguments, limits: Limits) -> Result<Wishes, Failure> {
+    let limit_rad = arguments.limit.or(limits.attitude_rad).unwrap_or(LIMIT_RAD);
+    let most_amplitude_rad = arguments.amplitude.or(limits.input).unwrap_or(MOST_AMPLITUDE_RAD);
     let legal = [
-        ("--limit", arguments.limit, [0.02, 0.75], "rad"),
-        ("--amplitude", arguments.amplitude, [0.0002, 0.03], "rad"),
+        ("--limit", limit_rad, [0.02, 0.75], "rad"),
+        ("--amplitude", most_amplitude_rad, [0.0002, MOST_AMPLITUDE_RAD], "rad"),
         ("--supervised", arguments.supervised, [0.0, 90.0], "%"),
         ("--time", arguments.time, [80.0, 3600.0], "s"),
         ("--accuracy", arguments.accuracy, [0.01, 100.0], "%"),
@@ -150,8 +170,8 @@ fn wishes(arguments: &Arguments) -> Result<Wishes, Failure> {
         }
     }
     Ok(Wishes {
-        limit_rad: arguments.limit,
-        most_amplitude_rad: arguments.amplitude,
+        limit_rad,
+        most_amplitude_rad,
         most_overridden: arguments.supervised / 100.0,
         longest_s: arguments.time,
         accuracy_percent: arguments.accuracy,
