@@ -56,7 +56,6 @@ fn concealed(id: &'static str) -> impl Fn(u64) -> (Scenario, String) {
 macro_rules! named {
     ($($test:ident $id:literal)*) => {$(
         #[test]
-        #[ignore = "minutes of computing: .ci/run runs it"]
         fn $test() {
             assert!(tally($id, SEEDS, concealed($id), is_named($id)) >= 9);
         }
@@ -73,7 +72,6 @@ named! {
 }
 
 #[test]
-#[ignore = "minutes of computing: .ci/run runs it"]
 fn nothing_is_found_where_nothing_is_concealed() {
     let bare = |seed| {
         let background = [Background::Clean, Background::Lab, Background::Paper][seed as usize % 3];
@@ -84,7 +82,6 @@ fn nothing_is_found_where_nothing_is_concealed() {
 }
 
 #[test]
-#[ignore = "minutes of computing: .ci/run runs it"]
 fn a_coloured_disturbance_is_no_mismatch() {
     let gusty = |seed| {
         let gust = Setting::usual("gust_disturbance", seed % 2 == 1).expect("the effect is in the catalogue");
