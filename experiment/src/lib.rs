@@ -9,7 +9,7 @@
 //! | question | where |
 //! | --- | --- |
 //! | what is known of the craft, and how it may be | [`craft`] |
-//! | one test as the board flies it | [`test`] |
+//! | one test as the board flies it | [`mod@test`] |
 //! | how far it goes, how often the supervisor holds it, what its recording tells | [`forecast`] |
 //! | whether it tells two rivals apart | [`rivals`] |
 //! | which excitations come into question | [`search`] |

@@ -19,7 +19,7 @@ static QUIET: AtomicBool = AtomicBool::new(false);
 /// Whether standard output belongs to one answer.
 static TAKEN: AtomicBool = AtomicBool::new(false);
 
-/// Silences [`print`] and progress; set once, before anything is printed.
+/// Silences [`print()`] and progress; set once, before anything is printed.
 pub fn be_quiet(quiet: bool) {
     QUIET.store(quiet, Ordering::Relaxed);
 }

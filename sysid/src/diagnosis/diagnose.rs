@@ -203,7 +203,9 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     }
     let closed = loops.any_closed_unsaid() || loops.all_closed();
     let richest = &selection.visited[selection.extended];
-    if closed && let Some(reason) = excitation::gain_unknown(&problem, &richest.fit, &richest.information) {
+    let unknown =
+        || excitation::gain_unknown(&problem, &richest.fit, &richest.information).filter(|_| closed);
+    if let Some(reason) = excitation::nothing_follows(&problem, &richest.fit).or_else(unknown) {
         checks.extend(data_checks::without_fit("too weak to ask"));
         return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
     }

@@ -1,7 +1,7 @@
 //! Whether the data can answer at all: long enough, moved by the input, above the noise.
 
 use super::estimates::estimates;
-use super::levels::{HORIZONS_S, SHORTEST_S, WIDEST_GAIN_INTERVAL};
+use super::levels::{HORIZONS_S, SEEN_AT_ALL, SHORTEST_S, WIDEST_GAIN_INTERVAL};
 use crate::identify::fir::ceiling_vaf;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::Fit;
@@ -68,6 +68,21 @@ pub fn gain_unknown(problem: &Problem<'_>, fit: &Fit, information: &Information)
     })
 }
 
+/// Why the data are too weak for any model: not even the richest predicts anything of the motion from what it was and from the
+/// input, at any horizon. What then is significant is made of the air.
+pub fn nothing_follows(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
+    let unpacked = problem.unpack(&richest.effects, &richest.minimum.values);
+    let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S)?;
+    let most = ahead.iter().fold(0.0, |most: f64, (vaf, _)| most.max(*vaf));
+    (most < SEEN_AT_ALL).then(|| {
+        format!(
+            "The data cannot tell: the motion does not follow from the input (VAF {most:.1} % at most of predictions {} to {} s ahead, \
+             whatever the model). Excite the vehicle: use a larger amplitude.",
+            HORIZONS_S[0], HORIZONS_S[HORIZONS_S.len() - 1]
+        )
+    })
+}
+
 fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
     let unpacked = problem.unpack(&baseline.effects, &baseline.minimum.values);
     let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S);
@@ -78,4 +93,29 @@ fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
              before (VAF {ahead:.0} % of predictions 1 s ahead). Excite the vehicle."
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::data_checks::fixture::{flight, normal};
+    use super::super::fixture::{asked, flown_by};
+    use super::*;
+    use rand::SeedableRng;
+    use rand_pcg::Pcg64;
+
+    #[test]
+    fn noise_alone_says_nothing_whatever_the_model() {
+        let mut still = flight(1, 0.0);
+        let mut random = Pcg64::seed_from_u64(5);
+        still.q.iter_mut().for_each(|q| *q = 0.01 * normal(&mut random));
+        still.theta.iter_mut().for_each(|theta| *theta = 0.003 * normal(&mut random));
+        let said = asked(&still, nothing_follows);
+        assert!(said.is_some_and(|reason| reason.contains("does not follow from the input")));
+    }
+
+    #[test]
+    fn a_weak_input_in_air_is_no_such_case() {
+        let u = flight(1, 0.0).u.iter().map(|u| 0.3 * u).collect();
+        assert_eq!(asked(&flown_by(1, u, |_, _, _| 0.0), nothing_follows), None);
+    }
 }

@@ -33,6 +33,9 @@ pub const HORIZONS_S: [f64; 3] = [0.1, 0.3, 1.0];
 /// VAF of predictions 1 s ahead, held out, per cent, below which nothing is named in a loop that was closed unsaid: most of the
 /// motion is then the noise that went round it. An answer without a name says so below it.
 pub const SEEN_IN_A_LOOP: f64 = 50.0;
+/// VAF of predictions at the best horizon, per cent, below which nothing follows from the input: a model that predicts nothing has
+/// nothing that could be missing from it.
+pub const SEEN_AT_ALL: f64 = 2.0;
 /// Horizon at which lags of actuator and sensor are compared where no angle is measured, s: several lags long, and short enough
 /// for a loop to have little part in it.
 pub const LAG_HORIZON_S: f64 = 0.3;
