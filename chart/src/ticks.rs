@@ -63,11 +63,11 @@ pub fn logarithmic(range: &Range<f64>, count: usize) -> Vec<f64> {
 
 /// A tick as people write it: true minus sign, no needless zeros.
 pub fn written(value: f64) -> String {
-    let rounded = (value * 1e6).round() / 1e6;
-    let shown = if (rounded == 0.0 && value.abs() > 1e-12) || value.abs() >= 1e7 {
-        format!("{value:.1e}")
+    let size = value.abs();
+    let shown = if (1e-12..1e-4).contains(&size) || size >= 1e7 {
+        format!("{value:.1e}").replace(".0e", "e")
     } else {
-        format!("{}", rounded + 0.0)
+        format!("{}", (value * 1e6).round() / 1e6 + 0.0)
     };
     shown.replace('-', "−")
 }
@@ -82,6 +82,8 @@ mod tests {
         assert_eq!(written(0.1 + 0.2), "0.3");
         assert_eq!(written(-0.0), "0");
         assert_eq!(written(2.5e-8), "2.5e−8");
+        assert_eq!(written(1e-6), "1e−6");
+        assert_eq!(written(2e-4), "0.0002");
     }
 
     #[test]

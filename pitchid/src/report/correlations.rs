@@ -13,7 +13,7 @@ pub fn picture(left: &LeftOver) -> Chart {
     let last = left.before.own.correlation.len() as f64 * left.step;
     let panels = vec![
         panel(left, "with itself", &own, |one| one.own.band, last),
-        panel(left, "with the input before", &with_input, |one| one.with_input.band, last),
+        panel(left, "with earlier input", &with_input, |one| one.with_input.band, last),
     ];
     Chart {
         label: "correlation of what is left one step ahead".into(),

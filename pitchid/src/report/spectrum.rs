@@ -44,7 +44,7 @@ pub fn picture(spectra: &Spectra, unit: &str, changed: bool) -> Option<Chart> {
         .map(|(name, tone, points)| Series::new(*name, *tone, Shape::Lines(vec![points.clone()])))
         .collect();
     series.push(Series::new(
-        "disturbance and noise of the model",
+        "what disturbance and noise explain",
         Tone::Ink,
         Shape::Dashes(vec![background.clone()]),
     ));
