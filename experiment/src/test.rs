@@ -78,7 +78,9 @@ impl Test {
         let usual = SupervisorConfig::default();
         SupervisorConfig {
             trip_theta_rad: self.trip_theta_rad,
-            release_theta_rad: usual.release_theta_rad.min(RELEASE * self.trip_theta_rad),
+            release_theta_rad: usual
+                .release_theta_rad
+                .min((RELEASE * self.trip_theta_rad * 1e3).floor() / 1e3),
             ..usual
         }
     }

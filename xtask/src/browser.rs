@@ -212,6 +212,7 @@ fn pages(pitchid: &Path, model: &Path, work: &Path) -> Outcome<Vec<PathBuf>> {
     run(&["diagnose", log, "--model", &model, "--column", "q_rad_s=-q_rad_s", "--report", "check.html"])?;
     run(&["diagnose", "still.csv", "--model", &model, "--time", "10..30", "--report", "not-excited.html"])?;
     run(&["diagnose", log, "--report", "without-model.html"])?;
+    run(&["plan", "--model", &model, "--flights", "10", "--out", "bench"])?;
     pages.extend(
         [
             "demo/report.html",
@@ -221,6 +222,7 @@ fn pages(pitchid: &Path, model: &Path, work: &Path) -> Outcome<Vec<PathBuf>> {
             "check.html",
             "not-excited.html",
             "without-model.html",
+            "bench/page.html",
         ]
         .map(String::from),
     );
