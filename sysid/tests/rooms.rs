@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Rooms from the bottom up; those of one row may use each other.
 const ROOMS: [&[&str]; 10] = [
-    &["error", "estimate", "linalg"],
+    &["error", "estimate", "files", "linalg", "progress"],
     &["recording"],
     &["dataset"],
     &["held_out"],
