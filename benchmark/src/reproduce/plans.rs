@@ -46,6 +46,8 @@ pub struct Flight {
 pub struct Counted {
     /// What the plans were made from.
     pub from: &'static str,
+    /// Crafts that no plan could be made for within the limits.
+    pub refused: usize,
     /// Plans.
     pub plans: usize,
     /// Plans of which each held.
@@ -71,7 +73,7 @@ pub fn plans(folder: &Path, crafts: u64, seed: u64, say: &Progress<'_>) -> Resul
     say("planning from size and mass".into());
     let first = plan(&unknown, &wishes(seed, 0), None, &|_| ())?;
     let parts = Parts::new(say, "planning and flying", crafts as usize);
-    let one = |k: u64| -> Result<[Flight; 2], Error> {
+    let one = |k: u64| -> Result<[Option<Flight>; 2], Error> {
         let craft = CRAFTS + seed * 100_003 + k;
         let truth = unknown.drawn(craft);
         // the inertia is measured before the first flight: on a bifilar pendulum, or from the drawing
@@ -79,12 +81,20 @@ pub fn plans(folder: &Path, crafts: u64, seed: u64, say: &Progress<'_>) -> Resul
         let real = Real { truth, model, seed: craft };
         let (flown, estimates) = real.fly(&first)?;
         let known = Craft::of_model(identified(&real.model, &estimates), "identified")?;
-        let second = plan(&known, &wishes(seed, 1 + k), None, &|_| ())?;
-        let (again, _) = Real { seed: craft + CRAFTS, model: known.model, ..real }.fly(&second)?;
+        // a craft that the board's controller does not hold within the limit is refused, which is an answer
+        let again = match plan(&known, &wishes(seed, 1 + k), None, &|_| ()) {
+            Ok(second) => {
+                let real = Real { seed: craft + CRAFTS, model: known.model, ..real };
+                Some(real.fly(&second)?.0)
+            }
+            Err(experiment::Error::Craft { .. }) => None,
+            Err(error) => return Err(error.into()),
+        };
         parts.one();
-        Ok([flown, again])
+        Ok([Some(flown), again])
     };
-    let flights: Vec<[Flight; 2]> = (0..crafts).into_par_iter().map(one).collect::<Result<_, Error>>()?;
+    let flights: Vec<[Option<Flight>; 2]> =
+        (0..crafts).into_par_iter().map(one).collect::<Result<_, Error>>()?;
     let counted = [(0, "size and mass"), (1, "the model identified in the first test")]
         .map(|(which, from)| count(from, flights.iter().map(|both| both[which])));
     files::write(&folder.join("plans.json"), &files::json(&counted)?)?;
@@ -170,11 +180,13 @@ impl Real {
     }
 }
 
-fn count(from: &'static str, flights: impl Iterator<Item = Flight>) -> Counted {
-    let flights: Vec<Flight> = flights.collect();
+fn count(from: &'static str, flights: impl Iterator<Item = Option<Flight>>) -> Counted {
+    let all: Vec<Option<Flight>> = flights.collect();
+    let flights: Vec<Flight> = all.iter().flatten().copied().collect();
     let of = |held: &dyn Fn(&Flight) -> bool| flights.iter().filter(|flight| held(flight)).count();
     Counted {
         from,
+        refused: all.len() - flights.len(),
         plans: flights.len(),
         angle: of(&|flight| flight.angle),
         limit: of(&|flight| flight.limit),
@@ -186,8 +198,9 @@ fn count(from: &'static str, flights: impl Iterator<Item = Flight>) -> Counted {
 }
 
 /// Head of the table.
-pub const HEADER: [&str; 8] = [
+pub const HEADER: [&str; 9] = [
     "planned from",
+    "refused",
     "plans",
     "largest angle in its band",
     "limit kept",
@@ -201,7 +214,7 @@ pub const HEADER: [&str; 8] = [
 #[must_use]
 pub fn rows(counted: &[Counted]) -> Vec<Vec<String>> {
     let row = |one: &Counted| {
-        let counts = [one.plans, one.angle, one.limit, one.supervised, one.accuracy, one.all];
+        let counts = [one.refused, one.plans, one.angle, one.limit, one.supervised, one.accuracy, one.all];
         let mut cells = vec![one.from.to_owned()];
         cells.extend(counts.map(|count| count.to_string()));
         cells.push(format!("{} of {}", one.covered[0], one.covered[1]));
