@@ -2,12 +2,12 @@
 
 use crate::failure::Failure;
 use std::path::Path;
+use sysid::files::read_text;
 
 /// Reads a file; what stands behind a # is a remark.
 pub fn read(path: &Path) -> Result<Vec<(String, f32)>, Failure> {
     let name = path.display();
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::new(format!("{name}: {error}"), "name a file that pitchid plan wrote"))?;
+    let text = read_text(path, "name a file that pitchid plan wrote")?;
     let mut all: Vec<(String, f32)> = Vec::new();
     for (line, content) in text.lines().enumerate() {
         let content = content.split('#').next().unwrap_or_default();
@@ -41,7 +41,7 @@ pub fn read(path: &Path) -> Result<Vec<(String, f32)>, Failure> {
 mod tests {
     use super::*;
 
-    fn read_text(text: &str) -> Result<Vec<(String, f32)>, Failure> {
+    fn read_as_file(text: &str) -> Result<Vec<(String, f32)>, Failure> {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), text).unwrap();
         read(file.path())
@@ -49,9 +49,9 @@ mod tests {
 
     #[test]
     fn names_and_values_are_read_and_what_is_neither_is_told_by_line() {
-        let found = read_text("# plan\nEXC_AMPL 0.01\nLIM_THETA,0.3 # rad\n\n").unwrap();
+        let found = read_as_file("# plan\nEXC_AMPL 0.01\nLIM_THETA,0.3 # rad\n\n").unwrap();
         assert_eq!(found, [("EXC_AMPL".to_owned(), 0.01), ("LIM_THETA".to_owned(), 0.3)]);
-        let told = |text: &str| read_text(text).unwrap_err().to_string();
+        let told = |text: &str| read_as_file(text).unwrap_err().to_string();
         assert!(told("EXC_AMPL 0.01\nLIM_THETA high\n").contains("line 2: \"high\" is no number"));
         assert!(told("EXC_AMPL 0.01 rad\n").contains("line 1"));
         assert!(told("A 1\nA 2\n").contains("line 2: A a second time"));

@@ -7,6 +7,7 @@ use experiment::{Craft, Rivals, Test, Wishes};
 use host_sim::Setting;
 use serde::Deserialize;
 use std::path::Path;
+use sysid::files::read_text;
 
 /// A usual test, in which the second rival learns to imitate the first: the paper's dwell, half of its amplitude.
 const USUAL: Test = Test {
@@ -66,9 +67,7 @@ struct Other {
 /// The first effect of an answer that has a rival, and that rival.
 fn of_answer(path: &Path) -> Result<(Setting, String), Failure> {
     let name = path.display();
-    let text = std::fs::read_to_string(path).map_err(|error| {
-        Failure::new(format!("{name}: {error}"), "name what pitchid diagnose --json wrote")
-    })?;
+    let text = read_text(path, "name what pitchid diagnose --json wrote")?;
     let answer: Answer = serde_json::from_str(&text).map_err(|error| {
         Failure::new(
             format!("{name}: not the answer of a diagnosis: {error}"),
