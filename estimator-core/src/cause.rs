@@ -83,6 +83,13 @@ pub enum Fault {
         /// The quantity.
         channel: Channel,
     },
+    /// What no sensor can read.
+    OutOfRange {
+        /// The quantity.
+        channel: Channel,
+        /// Ticks without a usable sample in a row.
+        ticks: u32,
+    },
     /// The same bit pattern again and again.
     Frozen {
         /// The quantity.
@@ -124,6 +131,9 @@ impl fmt::Display for Fault {
                 write!(f, "not level {:.2} s after {trip}", Decimal(seconds(*ticks)))
             }
             Self::NotFinite { channel } => write!(f, "{channel} is not a number"),
+            Self::OutOfRange { channel, ticks } => {
+                write!(f, "{channel} beyond what a sensor reads, for {ticks} ticks")
+            }
             Self::Frozen { channel, samples } => write!(f, "{channel} unchanged for {samples} samples"),
             Self::Missing { ticks } => write!(f, "no sample for {ticks} ticks"),
             Self::Late { ticks, age_us } => {

@@ -1,8 +1,11 @@
 //! Is the sample fit to act on?
 //!
-//! A sample is *usable* when it is present, no older than the limit, and finite. Lost samples (missing, late,
-//! or ticks that the caller skipped) are bridged for a few ticks, then they are a fault; NaN, infinity and a
-//! frozen channel are faults at once.
+//! A sample is *usable* when it is present, no older than the limit, finite, and within what a sensor can read. Lost
+//! samples (missing, late, out of range, or ticks that the caller skipped) are bridged for a few ticks, then they are a
+//! fault; NaN, infinity and a frozen channel are faults at once.
+//!
+//! The range is that of the widest gyro of the class, ±2000 °/s = 34.9 rad/s, and one turn of the angle: a controller that acts on a
+//! rate of 1000 rad/s throws the vehicle over in the very time in which it holds its output at the limit.
 //!
 //! Frozen: n identical bit patterns in a row of one channel, n = 10 by default. Odds of a false alarm: a gyro
 //! of 0.015 rad/s noise and a resolution of 0.001 rad/s repeats a sample with probability 1/(2√π·15) = 0.019,
@@ -11,6 +14,11 @@
 
 use crate::cause::{Channel, Fault};
 use crate::input::Sample;
+
+/// Largest |q| that a sample can have, rad/s.
+const MAX_RATE_RAD_S: f32 = 35.0;
+/// Largest |θ| that a sample can have, rad.
+const MAX_ANGLE_RAD: f32 = 6.3;
 
 /// Limits on samples, checked by the supervisor's `build`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +68,14 @@ impl Health {
         let skipped = state.last_tick.map_or(0, |last| tick.wrapping_sub(last).wrapping_sub(1));
         state.last_tick = Some(tick);
         let age_us = sample.map(|s| now_us.saturating_sub(s.time_us));
-        let timely = sample.filter(|_| age_us.is_some_and(|age| age <= self.max_age_us));
+        let mut timely = sample.filter(|_| age_us.is_some_and(|age| age <= self.max_age_us));
+        let mut wild = None;
+        if let Some(sample) = timely
+            && !(sample.q_rad_s.abs() <= MAX_RATE_RAD_S && sample.theta_rad.abs() <= MAX_ANGLE_RAD)
+        {
+            timely = None;
+            wild = Some(out_of_range(&sample)?);
+        }
         let lost_now = u32::from(timely.is_none());
         if skipped == 0 && lost_now == 0 {
             state.lost = 0;
@@ -69,8 +84,9 @@ impl Health {
         }
         if state.lost >= self.lost_ticks {
             let ticks = state.lost;
-            return Err(match age_us {
-                Some(age_us) if age_us > self.max_age_us => Fault::Late { ticks, age_us },
+            return Err(match (age_us, wild) {
+                (_, Some(channel)) => Fault::OutOfRange { channel, ticks },
+                (Some(age_us), _) if age_us > self.max_age_us => Fault::Late { ticks, age_us },
                 _ => Fault::Missing { ticks },
             });
         }
@@ -83,9 +99,6 @@ impl Health {
             (Channel::PitchAngle, sample.theta_rad, &mut state.theta),
         ];
         for (channel, value, repeats) in channels {
-            if !value.is_finite() {
-                return Err(Fault::NotFinite { channel });
-            }
             let samples = repeats.count(value);
             if self.frozen_samples > 0 && samples >= self.frozen_samples {
                 return Err(Fault::Frozen { channel, samples });
@@ -93,6 +106,20 @@ impl Health {
         }
         Ok(sample)
     }
+}
+
+/// The channel that reads what no sensor can, of a sample that has one.
+///
+/// # Errors
+/// It reads NaN or infinity.
+#[cold]
+fn out_of_range(sample: &Sample) -> Result<Channel, Fault> {
+    for (channel, value) in [(Channel::PitchRate, sample.q_rad_s), (Channel::PitchAngle, sample.theta_rad)] {
+        if !value.is_finite() {
+            return Err(Fault::NotFinite { channel });
+        }
+    }
+    Ok(if sample.q_rad_s.abs() > MAX_RATE_RAD_S { Channel::PitchRate } else { Channel::PitchAngle })
 }
 
 #[cfg(test)]
@@ -144,6 +171,17 @@ mod tests {
         }
         let found = check(&mut state, 4, Some(sample(2)));
         assert_eq!(found, Err(Fault::Late { ticks: 3, age_us: 40_000 }));
+    }
+
+    #[test]
+    fn what_no_sensor_can_read_is_bridged_and_then_a_fault() {
+        let mut state = HealthState::default();
+        let wild = |tick| Some(Sample { q_rad_s: -1e30, ..sample(tick) });
+        assert!(check(&mut state, 0, Some(sample(0))).unwrap().is_some());
+        assert_eq!(check(&mut state, 1, wild(1)), Ok(None));
+        assert_eq!(check(&mut state, 2, wild(2)), Ok(None));
+        let found = check(&mut state, 3, wild(3));
+        assert_eq!(found, Err(Fault::OutOfRange { channel: Channel::PitchRate, ticks: 3 }));
     }
 
     #[test]

@@ -28,6 +28,7 @@ pub mod vehicle;
 mod config_error;
 mod input;
 
+pub use attitude::AttitudeConfig;
 pub use cause::{Event, Fault, Trip};
 pub use config::{Config, ConfigError};
 pub use convergence::{Convergence, Verdict};

@@ -130,16 +130,16 @@ pub struct Update {
 
 impl<const N: usize> NormalizedLms<N> {
     /// Meets q\[k\] (rad/s) with the inputs up to u\[k−1\], and moves the taps if `adapt`. At most once between two calls
-    /// of [`Self::push`].
+    /// of [`Self::push`]. A sample that is no number, or so wild that the step overflows, moves nothing.
     pub fn observe(&self, state: &mut LmsState<N>, q: f32, adapt: bool) -> Update {
         let LmsState { taps, line, prediction, passed } = state;
         let error = q - *prediction;
         *passed = true;
-        if !adapt {
+        let gain = self.step * error / (self.regularisation + line.energy());
+        if !adapt || !gain.is_finite() {
             *prediction = pass(taps, line.regressor(self.taps), |w, _| w);
             return Update { error, gain: 0.0 };
         }
-        let gain = self.step * error / (self.regularisation + line.energy());
         *prediction = if self.keep == 1.0 {
             pass(taps, line.regressor(self.taps), |w, x| w + gain * x)
         } else {

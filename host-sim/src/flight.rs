@@ -95,30 +95,11 @@ pub fn fly(scenario: &Scenario) -> Result<Flight, Error> {
 /// # Errors
 /// As [`fly`].
 pub fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Error> {
-    scenario.plant.check()?;
-    let Scenario { seed, plant, ref effects, noise, plan, .. } = *scenario;
+    let Scenario { seed, plant, ref effects, noise, .. } = *scenario;
     let cycle = scenario.core().build::<TAPS>()?;
     let mut state = cycle.initial_state();
-    let length_s = f64::from(plan.closed_loop_s);
-    let reference =
-        ManualReference::drawn(length_s, &mut generator(seed, Stream::Reference)).times(scenario.stick);
-    let aircraft = Aircraft::new(plant, effects, background.moment(seed), seed);
-    let mut aircraft = aircraft.among(scenario.others, seed);
-    if background.air == Air::GrowsWithCommand {
-        aircraft = aircraft.growing_with_command(f64::from(scenario.amplitude_rad));
-    }
-    if let Some((from_s, changed)) = scenario.change {
-        aircraft = aircraft.changing_at(from_s, changed);
-    }
-    let Others { roll, yaw, .. } = aircraft.others();
-    let turns = roll || yaw;
     let log = Aircraft::new(plant, effects, None, seed);
-    let mut vehicle = SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference)
-        .gusty_in(scenario.gusty)
-        .gusty_during(scenario.gusts.clone());
-    if scenario.roll_yaw_logged || turns {
-        vehicle = vehicle.logging_roll_yaw(generator(seed, Stream::RollYaw));
-    }
+    let mut vehicle = vehicle(scenario, background)?;
     let outcome = estimator_core::fly(&cycle, &mut state, &mut vehicle);
     let (mut rows, states, events) = vehicle.into_log();
     let sent: Vec<f32> = rows.iter().map(|row| row.u_rad).collect();
@@ -145,6 +126,33 @@ pub fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight
     Ok(Flight { rows, sent, states, outcome, taps: *state.taps(), truth, comment })
 }
 
+/// The vehicle of a scenario, whose pilot starts the test at tick 0.
+///
+/// # Errors
+/// A plant that cannot be.
+pub fn vehicle(scenario: &Scenario, background: BackgroundTruth) -> Result<SimulatedVehicle, Error> {
+    scenario.plant.check()?;
+    let Scenario { seed, plant, ref effects, noise, plan, .. } = *scenario;
+    let length_s = f64::from(plan.closed_loop_s);
+    let reference =
+        ManualReference::drawn(length_s, &mut generator(seed, Stream::Reference)).times(scenario.stick);
+    let aircraft = Aircraft::new(plant, effects, background.moment(seed), seed);
+    let mut aircraft = aircraft.among(scenario.others, seed);
+    if background.air == Air::GrowsWithCommand {
+        aircraft = aircraft.growing_with_command(f64::from(scenario.amplitude_rad));
+    }
+    if let Some((from_s, changed)) = scenario.change {
+        aircraft = aircraft.changing_at(from_s, changed);
+    }
+    let Others { roll, yaw, .. } = aircraft.others();
+    let turns = roll || yaw;
+    let vehicle = SimulatedVehicle::new(aircraft, noise, generator(seed, Stream::Sensors), reference)
+        .gusty_in(scenario.gusty)
+        .gusty_during(scenario.gusts.clone());
+    let logged = scenario.roll_yaw_logged || turns;
+    Ok(if logged { vehicle.logging_roll_yaw(generator(seed, Stream::RollYaw)) } else { vehicle })
+}
+
 /// Logs at each row the command of another time; what the log would have to know before it was sent is cut off.
 fn stamp_commands(rows: &mut Vec<Row>, sent: &[f32], logged_at: impl Fn(f64) -> f64) {
     let place = |t_s: f64| (logged_at(t_s) / SAMPLE_PERIOD_S + 1e-6).max(0.0) as usize;
@@ -158,6 +166,12 @@ fn stamp_commands(rows: &mut Vec<Row>, sent: &[f32], logged_at: impl Fn(f64) -> 
 }
 
 impl BackgroundTruth {
+    /// A moment of standard deviation `sigma` (N m), whatever it leaves a model.
+    #[must_use]
+    pub const fn of_strength(air: Air, sigma: f64, omega_rad_s: f64, zeta: f64) -> Self {
+        Self { level: Background::None, air, sigma, omega_rad_s, zeta }
+    }
+
     fn moment(&self, seed: u64) -> Option<ColouredMoment> {
         let (omega, zeta) = (self.omega_rad_s, self.zeta);
         let colour = match self.air {

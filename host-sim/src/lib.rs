@@ -29,6 +29,7 @@
 //! | [`free_flight`] | three axes under a controller of 500 Hz |
 //! | [`table`], [`dirt`] | a recording of any columns, and what happens to it on the way to a file |
 //! | [`proof_case`] | a case of a proof, drawn by a seed: what is concealed, how large, before which background |
+//! | [`fault`], [`hazard`] | what breaks on a vehicle; a test that goes wrong, drawn by a seed |
 //! | [`calibrate`] | what an effect costs a model that leaves it out, and the size for a given cost |
 //!
 //! Everything random hangs on the scenario's seed: the same scenario gives the same bytes.
@@ -42,8 +43,10 @@ pub mod disturbance;
 pub mod effects;
 pub mod error;
 pub mod excitation;
+pub mod fault;
 pub mod flight;
 pub mod free_flight;
+pub mod hazard;
 pub mod pilot;
 pub mod plant;
 pub mod proof_case;

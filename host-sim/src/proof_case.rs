@@ -174,11 +174,11 @@ impl Trial {
                 Strength::Strong => self.generator.random_range(0.65..1.0),
             };
             let [small, large] = entry.parameters[0].range;
-            return Ok(Some(self.drawn(entry).resized(small * (large / small).powf(share))));
+            return Ok(Some(entry.drawn(&mut self.generator).resized(small * (large / small).powf(share))));
         }
         let mut best: Option<(Setting, f64)> = None;
         for _ in 0..DRAWS {
-            let setting = self.drawn(entry);
+            let setting = entry.drawn(&mut self.generator);
             let nearest = nearest_for_loss(&self.scenario, &setting, target)?;
             if let Some((setting, cost)) = nearest
                 && best.as_ref().is_none_or(|(_, known)| (cost - target).abs() < (known - target).abs())
@@ -190,17 +190,6 @@ impl Trial {
             }
         }
         Ok(best.map(|(setting, _)| setting))
-    }
-
-    /// Parameters log-uniform in their range, signs by lot.
-    fn drawn(&mut self, entry: &'static Entry) -> Setting {
-        let generator = &mut self.generator;
-        let value = entry.parameters.iter().map(|p| {
-            let [low, high] = p.range;
-            let magnitude = low * (high / low).powf(generator.random());
-            if p.signed && generator.random_bool(0.5) { -magnitude } else { magnitude }
-        });
-        entry.setting(value.collect())
     }
 }
 

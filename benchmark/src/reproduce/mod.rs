@@ -7,6 +7,7 @@ pub mod monitor;
 pub mod page;
 pub mod plans;
 mod study;
+pub mod supervisor;
 
 pub use campaign::Condition;
 pub use study::{MethodFigures, Paper, ParameterErrors, SeedResult, Spread, Study};

@@ -65,6 +65,9 @@ mod voltage_droop;
 
 use std::fmt;
 
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
 use crate::error::Error;
 use crate::plant::{Plant, State};
 use crate::reading::{Beside, Others, Reading};
@@ -254,6 +257,16 @@ impl Entry {
             let known: Vec<&str> = every().map(|entry| entry.id).collect();
             Error::UnknownEffect { id: id.to_owned(), known: known.join(", ") }
         })
+    }
+
+    /// Parameters log-uniform in their range, signs by lot.
+    pub(crate) fn drawn(&'static self, generator: &mut Pcg64) -> Setting {
+        let value = self.parameters.iter().map(|p| {
+            let [low, high] = p.range;
+            let magnitude = low * (high / low).powf(generator.random());
+            if p.signed && generator.random_bool(0.5) { -magnitude } else { magnitude }
+        });
+        self.setting(value.collect())
     }
 
     /// The effect with `values` in the order of its parameters.

@@ -3,6 +3,7 @@
 mod benchmarks;
 mod monitor;
 mod plans;
+mod supervisor;
 
 use super::reading::read_plain;
 use crate::failure::Failure;
@@ -28,6 +29,7 @@ enum What {
     Benchmarks(benchmarks::Arguments),
     Monitor(monitor::Arguments),
     Plans(plans::Arguments),
+    Supervisor(supervisor::Arguments),
 }
 
 /// Table 2 and figures 6 to 8 of Riccardi, Panizza, Lovera (ERF 2014), over many simulated campaigns
@@ -81,6 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         What::Benchmarks(arguments) => benchmarks::run(arguments),
         What::Monitor(arguments) => monitor::run(arguments),
         What::Plans(arguments) => plans::run(arguments),
+        What::Supervisor(arguments) => supervisor::run(arguments),
     }
 }
 
