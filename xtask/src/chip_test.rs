@@ -10,8 +10,16 @@ use crate::image::{self, root};
 use crate::{Outcome, no_panic};
 
 /// The tests that fly an image.
-const TESTS: [&str; 7] =
-    ["chip", "chip_failsafe", "chip_faults", "chip_ground", "chip_monitor", "chip_settings", "chip_upsets"];
+const TESTS: [&str; 8] = [
+    "chip",
+    "chip_attacks",
+    "chip_failsafe",
+    "chip_faults",
+    "chip_ground",
+    "chip_monitor",
+    "chip_settings",
+    "chip_upsets",
+];
 
 /// Builds, counts, flies, proves; the last line says how much passed.
 pub fn run() -> Outcome {

@@ -7,7 +7,7 @@ use firmware::link::decoder::Decoder;
 use firmware::link::ground::extra_crc;
 use firmware::link::{Action, Ground};
 use firmware::reset_record::Cause;
-use firmware::settings::Memory;
+use firmware::settings::{Memory, Settings};
 use firmware::store::NotKept;
 use firmware::watch::Watch;
 use heapless::String;
@@ -116,10 +116,11 @@ impl Link {
 
     /// Takes bytes up to the next thing to do.
     pub fn listen(&mut self) -> Option<Action> {
-        let Self { ground, decoder, incoming, outgoing, .. } = self;
+        let Self { ground, decoder, incoming, outgoing, memory, .. } = self;
         let mut action = None;
         while let Some(byte) = incoming.dequeue() {
             decoder.push(byte, |frame| action = ground.receive(&frame, &mut |frame| outgoing.send(frame)));
+            keep(ground.take_reserved(), ground, memory, outgoing);
             if action.is_some() {
                 break;
             }
@@ -164,15 +165,10 @@ impl Link {
             }
             ground.report(&telemetry, monitor.as_ref(), &mut taps, &mut |frame| outgoing.send(frame));
         }
+        keep(ground.take_unsaved(), ground, memory, outgoing);
         let mut said = |ground: &mut Ground, severity, text: &str| {
             ground.say(severity, text, &mut |frame| outgoing.send(frame));
         };
-        if let Some(settings) = ground.take_unsaved()
-            && memory.keep(&settings).is_err()
-        {
-            let why = "settings not kept: flash full or failing, restart";
-            said(ground, MavSeverity::MAV_SEVERITY_WARNING, why);
-        }
         if core::mem::take(model_unkept)
             && let Some(kept) = ground.upload().numbers().map(|numbers| memory.keep_model(numbers))
         {
@@ -189,5 +185,18 @@ impl Link {
     /// True when nothing waits.
     pub fn quiet(&self) -> bool {
         self.incoming.is_empty() && self.reported.is_empty()
+    }
+}
+
+/// Keeps the settings, if there are any to be kept; says so where that fails.
+fn keep(
+    settings: Option<Settings>,
+    ground: &mut Ground,
+    memory: &mut Memory<Sectors>,
+    outgoing: &mut Outgoing,
+) {
+    if settings.is_some_and(|settings| memory.keep(&settings).is_err()) {
+        let why = "settings not kept: flash full or failing, restart";
+        ground.say(MavSeverity::MAV_SEVERITY_WARNING, why, &mut |frame| outgoing.send(frame));
     }
 }

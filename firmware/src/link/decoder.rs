@@ -29,6 +29,12 @@ impl<'a> Frame<'a> {
         self.bytes.get(7..10).map_or(0, |id| id.iter().rev().fold(0, |sum, &b| (sum << 8) | u32::from(b)))
     }
 
+    /// Ids of the system and the component that say to have sent it.
+    #[must_use]
+    pub const fn sender(&self) -> [u8; 2] {
+        [self.bytes[5], self.bytes[6]]
+    }
+
     /// The message's payload, without the zeros that were cut off its end.
     #[must_use]
     pub fn payload(&self) -> &'a [u8] {

@@ -6,7 +6,8 @@
 //!      │ └─ HIL on/off    └────── disarm ──────┴──> disarmed
 //! ```
 //!
-//! With a key set, everything that comes in unsigned, replayed or signed with another key is passed over.
+//! With a key set, everything that comes in unsigned, replayed or signed with another key is passed over. What says that it comes from
+//! this very vehicle always is: its own frames, thrown back.
 
 use core::fmt::Write as _;
 
@@ -157,8 +158,19 @@ impl Ground {
     /// What is to be kept, a second after the last change.
     pub fn take_unsaved(&mut self) -> Option<Settings> {
         self.unsaved.take_if(|ticks| *ticks == 0)?;
+        Some(self.settings())
+    }
+
+    /// What is to be kept before the frame that was taken last is obeyed, where its timestamp has passed the one in flash.
+    pub fn take_reserved(&mut self) -> Option<Settings> {
+        self.gate.as_mut()?.reserve()?;
+        self.unsaved = None;
+        Some(self.settings())
+    }
+
+    fn settings(&self) -> Settings {
         let values = PARAMETERS.map(|parameter| parameter.value(&self.config));
-        Some(Settings { values, signing: self.gate.as_ref().map(|gate| (*gate.key(), gate.timestamp)) })
+        Settings { values, signing: self.gate.as_ref().map(Gate::kept) }
     }
 
     /// The test that a start would begin.
@@ -170,7 +182,8 @@ impl Ground {
     /// Answers one frame.
     #[inline(never)]
     pub fn receive(&mut self, frame: &Frame<'_>, out: &mut impl FnMut(&[u8])) -> Option<Action> {
-        if self.gate.as_mut().is_some_and(|gate| !gate.admits(frame)) {
+        let thrown_back = frame.sender() == [SYSTEM, COMPONENT];
+        if thrown_back || self.gate.as_mut().is_some_and(|gate| !gate.admits(frame)) {
             return None;
         }
         let payload = frame.payload();
@@ -263,11 +276,9 @@ impl Ground {
 
     fn note(&mut self, action: Action) {
         match action {
-            // the timestamp of an order that arms is kept, so that it cannot be replayed after the power was off
             Action::Arm => {
                 self.verdict = self.verdict.filter(|_| self.armed);
                 self.armed = true;
-                self.unsaved = self.unsaved.or(self.gate.as_ref().map(|_| SECOND));
             }
             Action::Disarm => (self.armed, self.running) = (false, false),
             Action::Start => (self.running, self.taps) = (true, usize::from(self.config.lms.taps)),

@@ -4,6 +4,10 @@
 //!
 //! A frame is taken when its signature fits and its timestamp, in units of 10 µs since 2015, is later than that of the
 //! last frame taken on the same link id, so nothing can be replayed.
+//!
+//! Nor after the power was off: the timestamp that the flash holds is one that no frame has reached yet, a minute ahead. Whoever keeps
+//! it is told to before a frame beyond it is obeyed ([`Gate::reserve`]), and the next start takes nothing up to it. A ground station
+//! learns the later time from the board's own frames, as the guide asks.
 //! Source: MAVLink developer guide, *Message Signing*.
 
 use sha2::{Digest, Sha256};
@@ -33,12 +37,17 @@ impl Key {
 /// Links whose timestamps are remembered.
 const LINKS: usize = 4;
 
+/// How far ahead of the latest timestamp the one in flash is, in its units of 10 µs: a minute, the guide's own margin.
+const AHEAD: u64 = 60 * 100_000;
+
 /// Checks what comes in; keeps the timestamps.
 #[derive(Clone)]
 pub struct Gate {
     key: Key,
     /// The latest timestamp, of both directions.
     pub timestamp: u64,
+    /// What the flash holds.
+    reserved: u64,
     last: [Option<(u8, u64)>; LINKS],
 }
 
@@ -46,7 +55,21 @@ impl Gate {
     /// A gate that takes frames later than `initial_timestamp`.
     #[must_use]
     pub const fn new(key: Key, initial_timestamp: u64) -> Self {
-        Self { key, timestamp: initial_timestamp, last: [None; LINKS] }
+        Self { key, timestamp: initial_timestamp, reserved: initial_timestamp, last: [None; LINKS] }
+    }
+
+    /// Key and timestamp to be kept now; none while the timestamp that was kept last is still ahead.
+    pub fn reserve(&mut self) -> Option<(Key, u64)> {
+        (self.timestamp > self.reserved).then(|| {
+            self.reserved = self.timestamp.saturating_add(AHEAD);
+            self.kept()
+        })
+    }
+
+    /// Key and timestamp as the flash is to hold them.
+    #[must_use]
+    pub const fn kept(&self) -> (Key, u64) {
+        (self.key, self.reserved)
     }
 
     /// The secret.
@@ -123,6 +146,29 @@ mod tests {
             assert!(!admitted(&mut gate, &frame));
         }
         assert!(admitted(&mut gate, &signed(7, 1, 10)));
+    }
+
+    #[test]
+    fn whenever_the_power_goes_nothing_that_was_taken_is_taken_again() {
+        for until in 1..40_u64 {
+            let (mut gate, mut flash) = (Gate::new(Key([7; 32]), 1000), (Key([7; 32]), 1000));
+            let mut taken = Vec::new();
+            let mut writes = 0;
+            for step in 1..=until {
+                // from 30 µs to 20 s from one frame to the next, over two links
+                let frame = signed(7, (step % 2) as u8, 1000 + 3 * step.pow(4));
+                assert!(admitted(&mut gate, &frame));
+                if let Some(kept) = gate.reserve() {
+                    (flash, writes) = (kept, writes + 1);
+                }
+                taken.push(frame);
+                // here the power may go
+                let mut restarted = Gate::new(flash.0, flash.1);
+                assert!(taken.iter().all(|frame| !admitted(&mut restarted, frame)), "{until} {step}");
+                assert!(admitted(&mut restarted, &signed(7, 1, flash.1 + 1)));
+            }
+            assert!(writes <= 2, "{writes} writes for {until} frames");
+        }
     }
 
     #[test]

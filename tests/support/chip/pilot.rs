@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use firmware::link::decoder::Decoder;
-use firmware::link::frame::{Header, encode};
+use firmware::link::frame::{Header, encode, sign};
+use firmware::link::signing::Key;
 use messages::MavlinkVersion::V2;
 use messages::board::{
     COMMAND_LONG_DATA, DEBUG_FLOAT_ARRAY_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavModeFlag,
@@ -24,17 +25,22 @@ pub struct Pilot {
     decoder: Decoder,
     waiting: VecDeque<MavMessage>,
     sequence: u8,
+    /// Key, and timestamp of the last frame, where what is sent is to be signed.
+    pub signing: Option<(Key, u64)>,
     /// What the chip said first.
     pub greeting: String,
 }
+
+/// Link id of what is signed.
+const LINK: u8 = 3;
 
 impl Pilot {
     /// Waits until the chip has greeted: what is sent earlier is lost.
     pub fn new(emulator: Emulator) -> Self {
         let decoder =
             Decoder::new(|id| MavMessage::default_message_from_id(id).map(|_| MavMessage::extra_crc(id)));
-        let mut pilot =
-            Self { emulator, decoder, waiting: VecDeque::new(), sequence: 0, greeting: String::new() };
+        let (waiting, greeting) = (VecDeque::new(), String::new());
+        let mut pilot = Self { emulator, decoder, waiting, sequence: 0, signing: None, greeting };
         pilot.greeting = pilot.wait_for(|message| match message {
             MavMessage::STATUSTEXT(text) => text.text.to_str().ok().map(str::to_owned),
             _ => None,
@@ -48,10 +54,15 @@ impl Pilot {
         self.emulator.send(&frame);
     }
 
-    /// The frame of one message, with the next sequence number.
+    /// The frame of one message, with the next sequence number and, where there is a key, the next timestamp.
     pub fn frame<M: MessageData>(&mut self, message: &M) -> Vec<u8> {
         self.sequence = self.sequence.wrapping_add(1);
-        encode(Header { sequence: self.sequence, system: 255, component: 190 }, message).to_vec()
+        let mut frame = encode(Header { sequence: self.sequence, system: 255, component: 190 }, message);
+        if let Some((key, timestamp)) = &mut self.signing {
+            *timestamp += 1;
+            sign(&mut frame, M::EXTRA_CRC, key, LINK, *timestamp);
+        }
+        frame.to_vec()
     }
 
     /// The next message, in the order of the wire.
