@@ -91,11 +91,10 @@ impl Chart {
             top + 10,
             escaped(&self.x.title)
         );
-        let height = top + LINES[0];
+        let (height, label) = (top + LINES[0], escaped(&self.label));
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
-             aria-label=\"{}\"><style>{}</style>{body}</svg>\n",
-            escaped(&self.label),
+             aria-label=\"{label}\"><title>{label}</title><style>{}</style>{body}</svg>\n",
             include_str!("colours.css")
         )
     }
@@ -170,7 +169,10 @@ mod tests {
     #[test]
     fn a_chart_of_a_page_has_its_marks_where_they_belong() {
         let page = chart().html();
-        assert!(page.contains("M0 10000l0 0 5000 -5000M15000 0l0 0 5000 0"), "broken and cut off: {page}");
+        assert!(
+            page.contains("M0 10000l0 0 5000 -5000M15000 -10000l0 0 5000 10000"),
+            "broken and cut off: {page}"
+        );
         assert!(page.contains("M5000 5000h0M10000 5000h0") && page.contains("M5000 6000V4000"));
         assert!(
             page.contains("x=\"5000\" y=\"0\" width=\"15000\"")

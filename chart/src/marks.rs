@@ -55,10 +55,12 @@ impl Plane<'_> {
         (WIDE * (x - self.x.start) / (self.x.end - self.x.start)).round() as i64
     }
 
-    /// Down from the top; what lies outside is cut off at the edge.
+    /// Down from the top. What lies outside stays outside, a plane's height away at the most, for the frame to cut it off: held at
+    /// the edge a curve would look as if it had met a stop.
     fn down(&self, y: f64) -> i64 {
-        (HIGH * (1.0 - (y.clamp(self.y.start, self.y.end) - self.y.start) / (self.y.end - self.y.start)))
-            .round() as i64
+        let height = self.y.end - self.y.start;
+        let y = y.clamp(self.y.start - height, self.y.end + height);
+        (HIGH * (1.0 - (y - self.y.start) / height)).round() as i64
     }
 
     fn at(&self, [x, y]: [f64; 2]) -> [i64; 2] {

@@ -85,6 +85,7 @@ impl Figures {
             )
         };
         let whole = if changed { "The models" } else { "The model" };
+        let terms = terms(&found.components);
         let step_figure = |steps| {
             let caption = format!(
                 "{whole} after a step of the input by {}, with 95 % intervals of the parameters.",
@@ -96,9 +97,10 @@ impl Figures {
             recorded: if first.is_none() { recordings.map(recorded).collect() } else { Vec::new() },
             first,
             others,
-            terms: terms(&found.components),
             maps: maps(report),
-            dependence: answer.location.as_ref().and_then(|l| l.dependence.first()).map(of_dependence),
+            // beside a term it would show again, in the residual of a model that has adapted to it, what the term's picture shows as it is
+            dependence: terms.is_empty().then(|| strongest(answer).map(of_dependence)).flatten(),
+            terms,
             moments: moments(report.content, &found.traces, &found.over_time),
             step: found.steps.as_ref().map(step_figure),
             response: spectrum::response(&found.traces, input_unit, changed).map(|chart| {
@@ -158,14 +160,21 @@ fn maps(report: &Report<'_>) -> Vec<Figure> {
     let several = recordings.len() > 1;
     let figure = |&recording: &usize| {
         let of = if several { format!(" of recording {}", recording + 1) } else { String::new() };
+        let windows = marked_windows(&report.content.answer, &report.found.traces);
+        let shaded = if windows.is_empty() { "" } else { "; shaded: when the model differs" };
         let caption = format!(
             "Where and when the free runs{of} leave more than disturbance and noise would: coloured from what chance leaves in one cell of a \
-             hundred, darkest at thirty times the background."
+             hundred, darkest at thirty times the background{shaded}."
         );
-        let chart = map::picture(maps, recording, is_changed(&report.content.answer));
+        let chart = map::picture(maps, recording, is_changed(&report.content.answer), windows);
         Figure::new(format!("map-{}.svg", recording + 1), WIDE, caption, chart)
     };
     recordings.iter().take(MOST_RECORDINGS).map(figure).collect()
+}
+
+/// The signal that the residual moment depends on most.
+fn strongest(answer: &Answer) -> Option<&Dependence> {
+    answer.location.as_ref()?.dependence.first()
 }
 
 /// The residual moment against a signal.

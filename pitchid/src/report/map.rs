@@ -6,8 +6,8 @@ use sysid::diagnosis::map::Cell;
 /// A cell of so many times the background is of the full colour.
 const FULL: f64 = 30.0;
 
-/// The maps of one recording; the second only where the model was `changed`.
-pub fn picture(maps: &[Vec<Cell>; 2], recording: usize, changed: bool) -> Chart {
+/// The maps of one recording; the second only where the model was `changed`. `windows` are shaded.
+pub fn picture(maps: &[Vec<Cell>; 2], recording: usize, changed: bool, windows: Vec<[f64; 2]>) -> Chart {
     let [before, after] = maps
         .each_ref()
         .map(|map| -> Vec<Cell> { map.iter().filter(|cell| cell.recording == recording).copied().collect() });
@@ -34,7 +34,7 @@ pub fn picture(maps: &[Vec<Cell>; 2], recording: usize, changed: bool) -> Chart 
         label: "what is left over time and frequency".into(),
         x: Axis::linear("time, s", time),
         panels,
-        windows: Vec::new(),
+        windows,
     }
 }
 
