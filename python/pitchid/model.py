@@ -37,7 +37,7 @@ class StateSpace(tuple):
     delay_s: float
     states: list[str]
 
-    def __new__(cls, A, B, C, D, dt=None, delay_s=0.0, states=()):  # noqa: N803
+    def __new__(cls, A, B, C, D, dt=None, delay_s=0.0, states=()):
         matrices = (A, B, C, D)
         model = super().__new__(cls, matrices if dt is None else (*matrices, dt))
         model.A, model.B, model.C, model.D = matrices

@@ -35,7 +35,9 @@ def test_columns_are_views_that_nobody_can_change(flown):
     assert np.shares_memory(q, flown.recording["q_rad_s"])
     with pytest.raises(ValueError, match="read-only"):
         q[0] = 1.0
-    kept = Recording.from_arrays({"t_s": np.arange(100) * 0.02, "u_rad": np.sin(np.arange(100.0)), "q_rad_s": np.ones(100)})["u_rad"]
+    kept = Recording.from_arrays({"t_s": np.arange(100) * 0.02, "u_rad": np.sin(np.arange(100.0)), "q_rad_s": np.ones(100)})[
+        "u_rad"
+    ]
     assert kept[1] == np.sin(1.0), "the array keeps what it shows"
 
 

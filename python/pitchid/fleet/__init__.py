@@ -9,9 +9,9 @@
 Needs ``pip install 'pitchid[fleet]'``. From the shell: ``python -m pitchid.fleet --help``.
 """
 
+from .page import report
 from .rows import SCHEMA, answer
 from .run import Run, diagnose
-from .page import report
 from .siblings import estimates, siblings
 from .table import read_table
 

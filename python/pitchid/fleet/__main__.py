@@ -4,32 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
-import time
 
 from .._errors import PitchidError
 from . import diagnose, report
-from .run import Run
-
-
-class Progress:
-    """A line on standard error: k of n, failed, the time that is left."""
-
-    def __init__(self, run: Run, quiet: bool) -> None:
-        self.run, self.quiet = run, quiet
-        self.begun = self.told = time.monotonic()
-        self.terminal = sys.stderr.isatty()
-
-    def say(self, now: bool = False) -> None:
-        """Says how far it is: often on a terminal, now and then in a file."""
-        if self.quiet or not now and time.monotonic() - self.told < (0.2 if self.terminal else 30):
-            return
-        self.told = time.monotonic()
-        run, passed = self.run, self.told - self.begun
-        told = f"{run.done} of {run.total}, {run.failed} failed"
-        if 0 < run.done < run.total:
-            left = passed / run.done * (run.total - run.done)
-            told += f", about {left / 60:.0f} min left" if left > 90 else f", about {left:.0f} s left"
-        print(f"\r{told}\033[K" if self.terminal else told, end="" if self.terminal else "\n", file=sys.stderr, flush=True)
+from .progress import Progress
 
 
 def _arguments() -> argparse.Namespace:
@@ -67,12 +45,9 @@ def main() -> int:
             columns=columns,
             input=asked.input,
         )
-        progress = Progress(run, asked.quiet)
-        for _ in run:
-            progress.say()
-        progress.say(now=True)
-        if progress.terminal and not asked.quiet:
-            print(file=sys.stderr)
+        with Progress("diagnosing", run.total, asked.quiet) as progress:
+            for _ in run:
+                progress.one(f", {run.failed} failed", run.done)
         if asked.report:
             report(asked.out, out=asked.report, craft=asked.craft)
     except (PitchidError, OSError) as error:

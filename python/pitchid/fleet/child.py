@@ -1,6 +1,7 @@
 """A process that diagnoses one file after another, and can be killed: ``python -m pitchid.fleet.child``.
 
-Reads a JSON object a line, and answers with the hash of the file and its row, a line each; ends with its parent, whatever it is doing.
+Reads a JSON object a line, and answers with the hash of the file and its row, a line each; ends with its parent,
+whatever it is doing.
 """
 
 from __future__ import annotations

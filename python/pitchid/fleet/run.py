@@ -21,6 +21,8 @@ from .table import Table
 
 IN_FLIGHT = 3
 """Files that are given to each thread of the workers at a time: one that it does, and what it goes on with."""
+AGAIN = 5
+"""How often a file is given out again whose workers were lost."""
 LOST_S = 30.0
 """How long the scheduler may be silent, s."""
 
@@ -98,7 +100,12 @@ def _client(client: distributed.Client | str | None, workers: int | None) -> Ite
     if isinstance(client, distributed.Client):
         yield client
     elif client:
-        with distributed.Client(client, timeout="20s", set_as_default=False) as own:
+        try:
+            own = distributed.Client(client, timeout="20s", set_as_default=False)
+        except (OSError, ValueError) as error:
+            told = f"no scheduler answers at {client}: {error}"
+            raise PitchidError(told, "start one with dask scheduler, and name its address, tcp://HOST:PORT") from None
+        with own:
             yield own
     else:
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -135,7 +142,12 @@ def spread(client, work, jobs: Iterable[tuple[Any, ...]], key) -> Iterator[tuple
         The scheduler was lost.
     """
     jobs = iter(jobs)
-    flying: dict[distributed.Future, tuple[Any, ...]] = {}
+    # each with how often it was given out again
+    flying: dict[distributed.Future, tuple[tuple[Any, ...], int]] = {}
+
+    def give(job: tuple[Any, ...], again: int) -> None:
+        flying[client.submit(work, *job, pure=False)] = (job, again)
+
     heard = time.monotonic()
     while True:
         threads = max(1, sum(client.nthreads().values())) if client.status == "running" else 1
@@ -143,11 +155,12 @@ def spread(client, work, jobs: Iterable[tuple[Any, ...]], key) -> Iterator[tuple
             job = next(jobs, None)
             if job is None:
                 break
-            flying[client.submit(work, *job, pure=False, retries=3)] = job
+            give(job, 0)
         if not flying:
             return
         try:
-            ended = distributed.wait(list(flying), timeout=1, return_when="FIRST_COMPLETED").done
+            with client.as_current():
+                ended = distributed.wait(list(flying), timeout=1, return_when="FIRST_COMPLETED").done
         except (TimeoutError, distributed.TimeoutError):
             ended = set()
         except distributed.CancelledError:
@@ -158,15 +171,16 @@ def spread(client, work, jobs: Iterable[tuple[Any, ...]], key) -> Iterator[tuple
             told = f"the scheduler was lost with {len(flying)} files under way"
             raise PitchidError(told, "what is done is in the table; run it again to go on")
         for future in ended:
-            if future.status in ("cancelled", "lost"):
-                if client.status == "running":
-                    job = flying.pop(future)
-                    flying[client.submit(work, *job, pure=False, retries=3)] = job
-                continue
-            job = flying.pop(future)
-            result = future.result() if future.status == "finished" else future.exception()
+            if client.status != "running":
+                break
+            job, again = flying.pop(future)
+            lost = future.status in ("cancelled", "lost")
+            result = None if lost else future.result() if future.status == "finished" else future.exception()
             future.release()
-            yield key(job), result
+            if (lost or isinstance(result, distributed.KilledWorker)) and again < AGAIN:
+                give(job, again + 1)
+            else:
+                yield key(job), result
 
 
 def paths_of(of: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:

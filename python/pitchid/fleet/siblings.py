@@ -136,8 +136,8 @@ def estimates(table: pa.Table, craft: str | None = None) -> list[dict[str, Any]]
     Returns
     -------
     list of dict
-        ``type``, ``craft``, ``when``, ``path``, ``name``, ``of``, ``unit``, ``value``, ``low``, ``high``; a recording that is there
-        twice (same hash) counts once.
+        ``type``, ``craft``, ``when``, ``path``, ``name``, ``of``, ``unit``, ``value``, ``low``, ``high``; a recording
+        that is there twice (same hash) counts once.
     """
     rows, seen = [], set()
     for row in table.select(["path", "sha256", "status", "parameters"]).to_pylist():
@@ -186,11 +186,13 @@ def _craft(flights: list[Flight], tests: int) -> tuple[list[Craft], float]:
     if len(found) < LEAST_CRAFT:
         return found, omega2
     left, aside, last = list(found), [], 0
-    while len(aside) < max(1, int(MOST_OUTLIERS * len(found))) and len(left) >= LEAST_CRAFT:
+    # Rosner's approximation is a little free with fewer than 25: each step counts as a further test
+    steps = max(1, int(MOST_OUTLIERS * len(found)))
+    while len(aside) < steps and len(left) >= LEAST_CRAFT:
         means, errors_ = np.array([c.value for c in left]), np.array([c.error for c in left])
         judged = [_against(means, errors_, k) for k in range(len(left))]
         k = min(range(len(left)), key=lambda k: judged[k][1])
-        left[k].away, left[k].p = judged[k][0], min(1.0, judged[k][1] * len(left) * tests)
+        left[k].away, left[k].p = judged[k][0], min(1.0, judged[k][1] * len(left) * tests * steps)
         aside.append(left.pop(k))
         last = len(aside) if aside[-1].p < LEVEL else last
     for craft in aside[:last]:

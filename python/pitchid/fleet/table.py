@@ -9,8 +9,9 @@ from __future__ import annotations
 import os
 import shutil
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import filelock
 import pyarrow as pa
@@ -25,17 +26,25 @@ PART_S = 5.0
 """How long a row waits for its part, s."""
 
 
-def _write(table: pa.Table, path: Path) -> None:
+def _whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
     """Writes a file whole or not at all."""
     beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         with open(beside, "wb") as file:
-            pq.write_table(table, file, compression="zstd")
+            write(file)
             file.flush()
             os.fsync(file.fileno())
         os.replace(beside, path)
     finally:
         beside.unlink(missing_ok=True)
+
+
+def _write(table: pa.Table, path: Path) -> None:
+    _whole(path, lambda file: pq.write_table(table, file, compression="zstd"))
+
+
+def _write_text(text: str, path: str | os.PathLike[str]) -> None:
+    _whole(Path(path), lambda file: file.write(text.encode()))
 
 
 def _of(rows: list[dict[str, Any]]) -> pa.Table:
