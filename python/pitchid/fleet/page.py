@@ -15,7 +15,7 @@ from .. import __version__, _native
 from .siblings import LEAST_CRAFT, LEAST_FLIGHTS, LEVEL, Parameter, Type, siblings
 from .table import _write_text, read_table
 
-MOST_DRIFTS = 30
+MOST_DRIFTS = 12
 """Drifts that are told, the strongest."""
 
 
@@ -113,7 +113,8 @@ def report(
     names = list(dict.fromkeys(one["craft"].name for one in outliers))
     headline = "No craft differs from its siblings"
     if names:
-        headline = f"{', '.join(names)} {'differs from its' if len(names) == 1 else 'differ from their'} siblings"
+        listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+        headline = f"{listed} {'differs from its' if len(names) == 1 else 'differ from their'} siblings"
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     environment.filters |= {"number": number, "odds": odds, "unit": unit}
     template = environment.from_string(resources.files(__package__).joinpath("page.html").read_text(encoding="utf-8"))

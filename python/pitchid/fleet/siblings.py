@@ -150,14 +150,19 @@ def estimates(table: pa.Table, craft: str | None = None) -> list[dict[str, Any]]
     return rows
 
 
-def _moments(values: np.ndarray, errors: np.ndarray, groups: np.ndarray) -> float:
-    """Variance within the groups beyond the errors (DerSimonian and Laird, groups pooled)."""
-    weights = 1 / errors**2
-    excess, scale = 0.0, 0.0
-    for group in np.unique(groups):
-        w, y = weights[groups == group], values[groups == group]
-        excess += np.sum(w * (y - np.sum(w * y) / np.sum(w)) ** 2) - (len(y) - 1)
-        scale += np.sum(w) - np.sum(w**2) / np.sum(w)
+def _scatter(values: np.ndarray, errors: np.ndarray, times: np.ndarray | None = None) -> tuple[float, float]:
+    """Scatter about the mean, or about a line over ``times``, beyond the errors; and what a variance of one would add to it."""
+    w = 1 / errors**2
+    line = times is not None and len(times) >= LEAST_FLIGHTS and np.ptp(times) > 0
+    x = np.stack([np.ones_like(values), times - times.mean()] if line else [np.ones_like(values)])
+    inverse = np.linalg.inv(x * w @ x.T)
+    rest = values - inverse @ (x @ (w * values)) @ x
+    return float(np.sum(w * rest**2) - (len(values) - len(x))), float(np.sum(w) - np.trace(inverse @ (x * w**2 @ x.T)))
+
+
+def _variance(scatters: list[tuple[float, float]]) -> float:
+    """Variance beyond the errors (DerSimonian and Laird, groups pooled)."""
+    excess, scale = (sum(part) for part in zip(*scatters, strict=True))
     return max(0.0, excess / scale) if scale > 0 else 0.0
 
 
@@ -165,7 +170,7 @@ def _against(values: np.ndarray, errors: np.ndarray, k: int) -> tuple[float, flo
     """Distance of craft ``k`` from the others over the error of a prediction, and its p-value."""
     others = np.delete(np.arange(len(values)), k)
     y, s = values[others], errors[others]
-    tau2 = _moments(y, s, np.zeros(len(y)))
+    tau2 = _variance([_scatter(y, s)])
     w = 1 / (s**2 + tau2)
     mean = np.sum(w * y) / np.sum(w)
     away = (values[k] - mean) / np.sqrt(errors[k] ** 2 + tau2 + 1 / np.sum(w))
@@ -177,7 +182,10 @@ def _craft(flights: list[Flight], tests: int) -> tuple[list[Craft], float]:
     values = np.array([flight.value for flight in flights])
     errors = np.array([flight.error for flight in flights])
     owners = np.array([flight.craft for flight in flights])
-    omega2 = _moments(values, errors, owners)
+    times = np.array([flight.when for flight in flights])
+    # a craft that drifts says nothing of the scatter of the others
+    of = [owners == name for name in np.unique(owners)]
+    omega2 = _variance([_scatter(values[own], errors[own], times[own]) for own in of])
     weights = 1 / (errors**2 + omega2)
     found = []
     for name in dict.fromkeys(owners.tolist()):
@@ -278,7 +286,7 @@ def _type(kind: str, names: list[str], verdicts: dict[str, int], rows: list[dict
         craft, omega2 = _craft(flights, len(kept))
         means, errors = np.array([c.value for c in craft]), np.array([c.error for c in craft])
         alike = ~np.array([c.outlier for c in craft])
-        tau2 = _moments(means[alike], errors[alike], np.zeros(alike.sum()))
+        tau2 = _variance([_scatter(means[alike], errors[alike])])
         median = float(np.median(means))
         parameters.append(Parameter(name, of, unit, median, float(np.sqrt(tau2)), float(np.sqrt(omega2)), craft, flights))
     asked = [one for one in parameters if one.name in DRIFTING]
