@@ -1,6 +1,5 @@
 //! Makes a case: recording, the user's model, and the sealed truth.
 
-use crate::seal::{Folder, MODEL, RECORDING};
 use crate::{Error, files};
 use host_sim::flight::Truth;
 use host_sim::proof_case::{Kind, Trial};
@@ -26,8 +25,22 @@ struct Sealed<'a> {
     flight: &'a Truth,
 }
 
-/// Draws case `number` of the proof of `seed`, flies it and writes its files. Nothing else leaves this function.
-pub fn conceal(folder: &Folder, seed: u64, air: Air, number: u64) -> Result<(), Error> {
+/// The files of a case before anyone has been asked.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// What was logged, as CSV.
+    pub recording: String,
+    /// The user's model.
+    pub model: String,
+    /// What was concealed, as JSON.
+    pub truth: String,
+}
+
+/// Draws case `number` of the proof of `seed`, and flies it in `air`. Nothing else leaves this function.
+///
+/// # Errors
+/// A case that could not be flown.
+pub fn conceal(seed: u64, air: Air, number: u64) -> Result<Case, Error> {
     let trial = Trial::new(seed, number)?.with_air(air);
     let kind = trial.kind;
     let concealed = trial.fly()?;
@@ -51,10 +64,11 @@ pub fn conceal(folder: &Folder, seed: u64, air: Air, number: u64) -> Result<(), 
         true_vaf_percent: concealed.true_vaf_percent.iter().cloned().collect(),
         flight: &concealed.flight.truth,
     };
-    folder.make(number)?;
-    files::write(&folder.of(number, RECORDING), &concealed.flight.recording())?;
-    files::write(&folder.of(number, MODEL), &model.to_toml()?)?;
-    folder.seal(number, &files::json(&sealed)?)
+    Ok(Case {
+        recording: concealed.flight.recording(),
+        model: model.to_toml()?,
+        truth: files::json(&sealed)?,
+    })
 }
 
 /// The model that a user has before the first flight: numbers from blade-element theory and the data sheet.

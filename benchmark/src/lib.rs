@@ -24,7 +24,7 @@ mod sparse;
 mod tally;
 mod truth;
 
-pub use conceal::nominal;
+pub use conceal::{Case, conceal, nominal};
 pub use error::Error;
-pub use prove::Proof;
+pub use prove::{Proof, answer};
 pub use tally::Table;

@@ -1,15 +1,16 @@
 //! A proof that anyone can repeat: conceal and seal, diagnose, open the truths and count.
 
+use crate::conceal::{Case, conceal};
 use crate::judge::{Outcome, judge};
 use crate::seal::{ANSWER, BESIDE, Folder, MODEL, RECORDING, SEAL};
 use crate::truth::{Beside, Said, Sparse};
-use crate::{Error, Table, black_box, conceal, files, page, sparse, tally};
+use crate::{Error, Table, black_box, files, page, sparse, tally};
 use host_sim::Air;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-use sysid::catalogue::model_file::read_model;
+use sysid::catalogue::model_file::parse_model;
 use sysid::diagnosis::{Diagnosis, diagnose};
-use sysid::recording::{ReadOptions, read};
+use sysid::recording::{ReadOptions, parse};
 
 /// A proof in its folder. Its three steps do several cases at a time, on the threads of the caller's rayon pool, leave out
 /// what the folder holds already, and call `done` after each case; the first case that fails, by number, is the failure of
@@ -35,12 +36,39 @@ impl Proof {
     /// # Errors
     /// A case that could not be flown or written.
     pub fn seal(&self, done: &(dyn Fn() + Sync)) -> Result<String, Error> {
-        let Self { folder, seed, cases, air } = self;
-        self.each(done, |case| {
-            if folder.has(case, SEAL) { Ok(()) } else { conceal::conceal(folder, *seed, *air, case) }
+        self.each(done, |case| match self.is_sealed(case) {
+            true => Ok(()),
+            false => self.keep(case, &conceal(self.seed, self.air, case)?),
         })?;
-        let seals: String = (0..*cases).map(|case| folder.seal_line(case)).collect::<Result<_, _>>()?;
-        files::write(&folder.file("seals.txt"), &seals)?;
+        self.seals()
+    }
+
+    /// Whether a case is sealed.
+    #[must_use]
+    pub fn is_sealed(&self, case: u64) -> bool {
+        self.folder.has(case, SEAL)
+    }
+
+    /// Writes a case and, last of all, its seal.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn keep(&self, case: u64, files: &Case) -> Result<(), Error> {
+        let folder = &self.folder;
+        folder.make(case)?;
+        files::write(&folder.of(case, RECORDING), &files.recording)?;
+        files::write(&folder.of(case, MODEL), &files.model)?;
+        folder.seal(case, &files.truth)
+    }
+
+    /// Writes the hashes of all truths, and returns them.
+    ///
+    /// # Errors
+    /// A case that is not sealed.
+    pub fn seals(&self) -> Result<String, Error> {
+        let lines = (0..self.cases).map(|case| self.folder.seal_line(case));
+        let seals = lines.collect::<Result<String, Error>>()?;
+        files::write(&self.folder.file("seals.txt"), &seals)?;
         Ok(seals)
     }
 
@@ -49,9 +77,38 @@ impl Proof {
     /// # Errors
     /// A case that could not be read or written.
     pub fn diagnose(&self, done: &(dyn Fn() + Sync)) -> Result<(), Error> {
-        let folder = &self.folder;
-        self.each(done, |case| if folder.has(case, BESIDE) { Ok(()) } else { answer(folder, case) })?;
+        self.each(done, |case| match self.is_answered(case) {
+            true => Ok(()),
+            false => {
+                let [name, recording, model] = self.question(case)?;
+                self.keep_answer(case, &answer(&name, &recording, &model)?)
+            }
+        })?;
         Ok(())
+    }
+
+    /// Whether a case was diagnosed.
+    #[must_use]
+    pub fn is_answered(&self, case: u64) -> bool {
+        self.folder.has(case, BESIDE)
+    }
+
+    /// What a diagnosis sees of a case: what messages call its recording, the recording, the model.
+    ///
+    /// # Errors
+    /// A case that cannot be read.
+    pub fn question(&self, case: u64) -> Result<[String; 3], Error> {
+        let place = self.folder.of(case, RECORDING);
+        Ok([place.display().to_string(), files::read(&place)?, files::read(&self.folder.of(case, MODEL))?])
+    }
+
+    /// Writes what [`answer`] answered.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn keep_answer(&self, case: u64, [answer, beside]: &[String; 2]) -> Result<(), Error> {
+        files::write(&self.folder.of(case, ANSWER), answer)?;
+        files::write(&self.folder.of(case, BESIDE), beside)
     }
 
     /// Opens the truths, counts, and writes the results and the report.
@@ -86,17 +143,20 @@ impl Proof {
     }
 }
 
-/// Diagnoses one case, from its recording and its model, and lets the other methods try.
-fn answer(folder: &Folder, case: u64) -> Result<(), Error> {
-    let recording = [read(&folder.of(case, RECORDING), &ReadOptions::default())?];
-    let model = read_model(&folder.of(case, MODEL), None)?;
+/// Diagnoses a case from its recording and its model, and lets the other methods try: the JSON of both. `name` is what
+/// messages call the recording.
+///
+/// # Errors
+/// A recording or a model that cannot be read.
+pub fn answer(name: &str, recording: &str, model: &str) -> Result<[String; 2], Error> {
+    let recording = [parse(name, recording.as_bytes(), &ReadOptions::default())?];
+    let model = parse_model(MODEL, model)?;
     let found = diagnose(&recording, Some(&model), &|_| ());
     let json = match &found {
         Ok(found) => files::json(&found.answer)?,
         // a refusal is an answer too, and counts as missed
         Err(error) => files::json(&serde_json::json!({ "refused": error.to_string() }))?,
     };
-    files::write(&folder.of(case, ANSWER), &json)?;
     let nothing = Sparse { terms: Vec::new(), ids: Vec::new(), vaf_percent: Default::default() };
     let parameters = found.as_ref().map_or(0, added_parameters).max(2);
     let beside = Beside {
@@ -107,7 +167,7 @@ fn answer(folder: &Folder, case: u64) -> Result<(), Error> {
             .unwrap_or_default(),
         black_box_parameters: parameters,
     };
-    files::write(&folder.of(case, BESIDE), &files::json(&beside)?)
+    Ok([json, files::json(&beside)?])
 }
 
 /// Number of parameters that the diagnosis added.

@@ -31,17 +31,22 @@ impl Language {
     }
 }
 
-/// The plant from the delayed input to measured rate and angle.
-struct Linear {
-    a: Matrix,
-    b: Matrix,
-    c: Matrix,
-    delay_s: f64,
-    states: &'static [&'static str],
+/// The plant from the delayed input to measured rate and angle, in continuous time.
+pub struct Linear {
+    /// A, row by row.
+    pub a: Matrix,
+    /// B.
+    pub b: Matrix,
+    /// C.
+    pub c: Matrix,
+    /// Delay of the input, s.
+    pub delay_s: f64,
+    /// Names of the states.
+    pub states: &'static [&'static str],
 }
 
 /// The plant of `model`; `None` where it has no effectiveness or damping.
-fn linear(model: &ModelFile) -> Option<Linear> {
+pub fn linear(model: &ModelFile) -> Option<Linear> {
     let plant = &model.plant;
     let j = plant.inertia_kg_m2;
     let (damping, gain) = (plant.dm_dq?, plant.dm_du?);

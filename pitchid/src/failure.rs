@@ -16,6 +16,18 @@ pub struct Failure {
     message: String,
     help: String,
     excerpt: Option<Box<Excerpt>>,
+    place: Place,
+}
+
+/// Where in the input a message points.
+#[derive(Clone, Debug, Default)]
+pub struct Place {
+    /// The file.
+    pub file: Option<String>,
+    /// Its line, counted from 1.
+    pub line: Option<usize>,
+    /// The column of a recording, or the key of a file.
+    pub column: Option<String>,
 }
 
 /// The line of a file that a message is about.
@@ -28,12 +40,18 @@ struct Excerpt {
 impl Failure {
     /// A message and what to do.
     pub fn new(message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { message: message.into(), help: help.into(), excerpt: None }
+        Self { message: message.into(), help: help.into(), excerpt: None, place: Place::default() }
     }
 
     /// What to do.
     pub fn help(&self) -> &str {
         &self.help
+    }
+
+    /// Where in the input.
+    #[must_use]
+    pub fn place(&self) -> &Place {
+        &self.place
     }
 
     /// A file that could not be written.
@@ -85,7 +103,12 @@ impl From<sysid::error::Error> for Failure {
             None => error.advice.to_string(),
         };
         let excerpt = error.file.as_deref().zip(error.line).and_then(|(file, line)| excerpt(file, line));
-        Self { message, help, excerpt }
+        let place = Place {
+            file: error.file.map(String::from),
+            line: error.line,
+            column: error.column.map(String::from),
+        };
+        Self { message, help, excerpt, place }
     }
 }
 
@@ -97,7 +120,8 @@ impl From<flight_logs::Error> for Failure {
             Some(expected) => format!("expected {expected}; {}", error.advice),
             None => error.advice.to_string(),
         };
-        Self::new(message, help)
+        let place = Place { file: error.file.map(String::from), ..Place::default() };
+        Self { place, ..Self::new(message, help) }
     }
 }
 

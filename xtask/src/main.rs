@@ -2,6 +2,7 @@
 //! `cargo xtask book | book-check`: the book's pages of the effects, and the book built and held to what it says.
 //! `cargo xtask browser`: the pages of the program in a real browser.
 //! `cargo xtask messages`: the code of the messages from their definitions.
+//! `cargo xtask wheel`: the package for Python as a wheel.
 
 mod book;
 mod browser;
@@ -10,6 +11,7 @@ mod chip_test;
 mod image;
 mod messages;
 mod no_panic;
+mod wheel;
 
 use std::process::{Command, ExitCode};
 
@@ -23,6 +25,7 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   book        write the book's pages of the effects: simulates and diagnoses each
   book-check  build the book (mdbook), follow its links, run its commands
   messages    write the code of the board's messages from their definitions (mavlink-bindgen)
+  wheel       build the package for Python as a wheel (maturin, installed beside it)
   browser     look at the pages of the program in Chromium";
 
 fn main() -> ExitCode {
@@ -35,6 +38,7 @@ fn main() -> ExitCode {
         Some("book") => book::pages(),
         Some("book-check") => book::check(),
         Some("messages") => messages::write(),
+        Some("wheel") => wheel::build(),
         Some("browser") => browser::check(),
         _ => Err(USAGE.to_owned()),
     };

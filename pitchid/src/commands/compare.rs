@@ -87,23 +87,66 @@ Exit status: 0 compared, whatever it says; 2 the input could not be used.";
 /// Compares.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let vehicle = arguments.wanted.find()?;
-    let mut columns = arguments.columns.clone();
     if let Some(vehicle) = &vehicle {
         vehicle.say();
-        columns.extend(vehicle.columns_beside(&arguments.columns));
     }
     let vehicle = vehicle.as_ref();
-    let model = arguments.model.as_deref().or(vehicle.and_then(|vehicle| vehicle.model.as_deref()));
-    let choice = arguments.axis.or(vehicle.and_then(|vehicle| vehicle.axis)).unwrap_or(AxisChoice::All);
-    let input = arguments.input.or(vehicle.and_then(|vehicle| vehicle.input)).unwrap_or_default();
     let mut inputs = vec![arguments.before.as_path(), arguments.after.as_path()];
-    inputs.extend(model);
+    inputs.extend(arguments.model(vehicle));
     let outputs = [&arguments.json, &arguments.plot];
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
+    let progress = Progress::start("reading");
+    let answers = compared(arguments, vehicle, &|step| progress.say(step))?;
+    drop(progress);
+    output::print(&text(&answers))?;
+    if let Some(path) = &arguments.plot {
+        output::write(path, &picture(&answers))?;
+    }
+    let Some(path) = &arguments.json else { return Ok(()) };
+    output::write(path, &json(&arguments.names(), &answers)?)
+}
+
+/// The answers as JSON, with the names of what was before and after.
+pub fn json([before, after]: &[String; 2], answers: &[AxisAnswer]) -> Result<String, Failure> {
+    output::json(&serde_json::json!({
+        "schema": "pitchid.comparisons/1",
+        "before": before,
+        "after": after,
+        "axes": answers,
+    }))
+}
+
+impl Arguments {
+    /// The model that is meant.
+    fn model<'a>(&'a self, vehicle: Option<&'a Vehicle>) -> Option<&'a Path> {
+        self.model.as_deref().or(vehicle.and_then(|vehicle| vehicle.model.as_deref()))
+    }
+
+    /// The vehicle's file, where it is wanted.
+    pub fn vehicle(&self) -> Result<Option<Vehicle>, Failure> {
+        self.wanted.find()
+    }
+
+    /// What was before and after, as people call them.
+    pub fn names(&self) -> [String; 2] {
+        [&self.before, &self.after].map(|path| input::name_of(path))
+    }
+}
+
+/// What changed, by axis.
+pub fn compared(
+    arguments: &Arguments,
+    vehicle: Option<&Vehicle>,
+    progress: &sysid::progress::Progress<'_>,
+) -> Result<Vec<AxisAnswer>, Failure> {
+    let mut columns = arguments.columns.clone();
+    columns.extend(vehicle.into_iter().flat_map(|vehicle| vehicle.columns_beside(&arguments.columns)));
+    let model = arguments.model(vehicle);
+    let choice = arguments.axis.or(vehicle.and_then(|vehicle| vehicle.axis)).unwrap_or(AxisChoice::All);
+    let input = arguments.input.or(vehicle.and_then(|vehicle| vehicle.input)).unwrap_or_default();
     input::once([arguments.before.as_path(), arguments.after.as_path()])?;
     refuse_itself(arguments)?;
     let options = options_with(input, &columns);
-    let progress = Progress::start("reading");
     let sides =
         [side(arguments, &columns, &arguments.before, 0)?, side(arguments, &columns, &arguments.after, 1)?];
     let axes: Vec<Option<Axis>> = choice.wanted(&sides[0].axes(), &sides[1].axes());
@@ -115,7 +158,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             Ok([before, after]) => {
                 let say = |step: Step<'_>| {
                     let what = axis.map_or(step.what.to_owned(), |axis| format!("{axis}: {}", step.what));
-                    progress.say(Step { what: &what, ..step });
+                    progress(Step { what: &what, ..step });
                 };
                 let model = match model {
                     Some(path) => Some(model_at(path, axis)?),
@@ -129,25 +172,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             Err(refusal) => refusals.push(refusal),
         }
     }
-    drop(progress);
     // an axis that cannot be read stands in nobody's way, unless it was asked for or there is no other
     if let Some(refusal) = refusals.into_iter().next()
         && (answers.is_empty() || !choice.is_all())
     {
         return Err(refusal);
     }
-    output::print(&text(&answers))?;
-    if let Some(path) = &arguments.plot {
-        output::write(path, &picture(&answers))?;
-    }
-    let Some(path) = &arguments.json else { return Ok(()) };
-    let answer = serde_json::json!({
-        "schema": "pitchid.comparisons/1",
-        "before": input::name_of(&arguments.before),
-        "after": input::name_of(&arguments.after),
-        "axes": answers,
-    });
-    output::write(path, &output::json(&answer)?)
+    Ok(answers)
 }
 
 /// Refuses the same part of the same file twice: it did not change.

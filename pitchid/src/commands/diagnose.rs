@@ -1,6 +1,6 @@
 //! `pitchid diagnose`: what the model leaves out.
 
-use super::reading::{ByAxis, Reading};
+use super::reading::{Asked, ByAxis, Reading};
 use crate::export::{self, Language};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -11,8 +11,9 @@ use crate::{output, text};
 use clap::Args;
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
-use sysid::diagnosis::axes::{AxisRecordings, diagnose_axes};
-use sysid::diagnosis::diagnose;
+use std::sync::Arc;
+use sysid::diagnosis::axes::{AxesDiagnosis, AxisRecordings, diagnose_axes};
+use sysid::diagnosis::{Diagnosis, diagnose};
 use sysid::model::file::to_toml;
 use sysid::recording::Recording;
 
@@ -91,19 +92,41 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.pictures {
         output::folder(folder)?;
     }
-    let recordings = reading.recordings()?;
-    let model = reading.model()?;
+    let asked = reading.asked()?;
     let progress = Progress::start("reading");
-    let mut found = diagnose(&recordings, model.as_ref().map(|(_, m)| m), &|step| progress.say(step))?;
+    let diagnosed = Diagnosed::new(asked, &|step| progress.say(step))?;
     drop(progress);
-    let axis = reading.axis().to_string();
-    found.answer.tell_of(&axis);
-    let named = model.as_ref().map(|(name, m)| (name.as_str(), m));
-    let content = Content::new(&found.answer, &found.traces, reading.names(), named).of_axis(&axis);
-    output::print(&text::diagnosis(&content))?;
+    output::print(&text::diagnosis(&diagnosed.content))?;
     let repeat = Repeat::of_this_run(&reading.inputs());
-    let report = Report { content: &content, found: &found, recordings: &recordings, repeat };
-    output::print(&write(arguments, &report)?)
+    output::print(&write(arguments, &diagnosed.report(repeat))?)
+}
+
+/// A diagnosis, and what it is shown with.
+pub struct Diagnosed {
+    /// In words.
+    pub content: Content,
+    /// What was found.
+    pub found: Diagnosis,
+    /// What was asked.
+    pub recordings: Arc<[Recording]>,
+}
+
+impl Diagnosed {
+    /// Diagnoses.
+    pub fn new(asked: Asked, progress: &sysid::progress::Progress<'_>) -> Result<Self, Failure> {
+        let Asked { recordings, names, axis, model } = asked;
+        let mut found = diagnose(&recordings, model.as_ref().map(|(_, m)| m), progress)?;
+        let axis = axis.to_string();
+        found.answer.tell_of(&axis);
+        let named = model.as_ref().map(|(name, m)| (name.as_str(), m));
+        let content = Content::new(&found.answer, &found.traces, names, named).of_axis(&axis);
+        Ok(Self { content, found, recordings })
+    }
+
+    /// What a report is made of.
+    pub fn report(&self, repeat: Repeat) -> Report<'_> {
+        Report { content: &self.content, found: &self.found, recordings: &self.recordings, repeat }
+    }
 }
 
 /// Diagnoses every axis, and what they share.
@@ -119,6 +142,21 @@ fn all_axes(arguments: &Arguments, reading: &Reading) -> Result<(), Failure> {
         ));
     }
     let progress = Progress::start("reading");
+    let found = by_axis(reading, &|step| progress.say(step))?;
+    drop(progress);
+    output::print(&text::axes::diagnoses(&found))?;
+    if let Some(path) = &arguments.out_model {
+        output::write(path, &models(&found)?)?;
+    }
+    let Some(path) = &arguments.json else { return Ok(()) };
+    output::write(path, &json_by_axis(&found)?)
+}
+
+/// Asks every axis, and what they share.
+pub fn by_axis(
+    reading: &Reading,
+    progress: &sysid::progress::Progress<'_>,
+) -> Result<AxesDiagnosis, Failure> {
     let ByAxis { read, refused } = reading.recordings_by_axis()?;
     if read.is_empty()
         && let Some(refusal) = refused.into_iter().next()
@@ -130,14 +168,17 @@ fn all_axes(arguments: &Arguments, reading: &Reading) -> Result<(), Failure> {
         Ok(AxisRecordings { name: axis.to_string(), recordings, model })
     };
     let axes = read.into_iter().map(with_model).collect::<Result<Vec<AxisRecordings>, Failure>>()?;
-    let found = diagnose_axes(&axes, &|step| progress.say(step))?;
-    drop(progress);
-    output::print(&text::axes::diagnoses(&found))?;
-    if let Some(path) = &arguments.out_model {
-        let models: Vec<_> = found.axes.iter().map(|(axis, d)| (axis.as_str(), &d.model)).collect();
-        output::write(path, &to_toml(&models)?)?;
-    }
-    let Some(path) = &arguments.json else { return Ok(()) };
+    Ok(diagnose_axes(&axes, progress)?)
+}
+
+/// The models of all axes as a file.
+pub fn models(found: &AxesDiagnosis) -> Result<String, Failure> {
+    let models: Vec<_> = found.axes.iter().map(|(axis, d)| (axis.as_str(), &d.model)).collect();
+    Ok(to_toml(&models)?)
+}
+
+/// The answers of all axes as JSON.
+pub fn json_by_axis(found: &AxesDiagnosis) -> Result<String, Failure> {
     let answers: Vec<_> =
         found.axes.iter().map(|(axis, d)| serde_json::json!({ "axis": axis, "answer": d.answer })).collect();
     let answer = serde_json::json!({
@@ -145,7 +186,7 @@ fn all_axes(arguments: &Arguments, reading: &Reading) -> Result<(), Failure> {
         "shared": found.shared,
         "axes": answers,
     });
-    output::write(path, &output::json(&answer)?)
+    output::json(&answer)
 }
 
 /// Writes what was asked for and says so.

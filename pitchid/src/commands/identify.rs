@@ -115,17 +115,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         output::print(&format!("\n{}", text::paragraph(&monitor_told(&made))))?;
     }
     if let Some(path) = &arguments.json {
-        output::write(path, &output::json(&Answer { schema: "pitchid.identification/1", found: &found })?)?;
+        output::write(path, &json(&found)?)?;
     }
     Ok(())
 }
 
 /// The answer as JSON.
-#[derive(Serialize)]
-struct Answer<'a> {
-    schema: &'static str,
-    #[serde(flatten)]
-    found: &'a Identification,
+pub fn json(found: &Identification) -> Result<String, Failure> {
+    #[derive(Serialize)]
+    struct Answer<'a> {
+        schema: &'static str,
+        #[serde(flatten)]
+        found: &'a Identification,
+    }
+    output::json(&Answer { schema: "pitchid.identification/1", found })
 }
 
 /// What the monitor is, in words.

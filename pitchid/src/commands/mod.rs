@@ -1,23 +1,23 @@
 //! What can be asked for. Each subcommand reads its arguments, calls the libraries and shows what they answer.
 
 mod board_arguments;
-mod compare;
+pub mod compare;
 mod convert;
 mod demo;
-mod diagnose;
+pub mod diagnose;
 mod doctor;
 mod effect_spec;
 mod fly;
-mod identify;
+pub mod identify;
 mod monitor;
-mod plan;
-mod prove;
-mod reading;
+pub mod plan;
+pub mod prove;
+pub mod reading;
 mod record;
 mod reproduce;
 mod shell;
-mod show;
-mod simulate;
+pub mod show;
+pub mod simulate;
 
 use crate::failure::Failure;
 use crate::output;

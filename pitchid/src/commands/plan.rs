@@ -1,8 +1,8 @@
 //! `pitchid plan`: the experiment before it is flown.
 
-mod page;
+pub mod page;
 mod rivals;
-mod words;
+pub mod words;
 
 use super::effect_spec::EffectSpec;
 use super::reading::model_at;
@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
 use crate::report::repeat::Repeat;
-use crate::vehicle::{Limits, Wanted};
+use crate::vehicle::{Limits, Vehicle, Wanted};
 use clap::Args;
 use experiment::{Craft, Plan, Weather, Wishes, plan};
 use flight_logs::axes::Axis;
@@ -120,26 +120,65 @@ Exit status: 0 there is a plan; 2 no excitation keeps the limits, or the argumen
 
 /// Plans.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let vehicle = arguments.wanted.find()?;
+    let vehicle = arguments.vehicle()?;
     if let Some(vehicle) = &vehicle {
         vehicle.say();
     }
-    let own_model = vehicle.as_ref().and_then(|vehicle| vehicle.model.as_ref());
-    let model = arguments.model.as_ref().or(own_model.filter(|_| arguments.mass.is_none()));
-    let inputs: Vec<&Path> = model.into_iter().chain(&arguments.diagnosis).map(PathBuf::as_path).collect();
+    let vehicle = vehicle.as_ref();
+    let inputs = arguments.inputs(vehicle);
     output::check(arguments.json.as_deref(), &inputs)?;
     if let Some(folder) = &arguments.out {
         output::folder(folder)?;
     }
-    let limits = vehicle.as_ref().map(|vehicle| vehicle.limits).unwrap_or_default();
-    let wishes = wishes(arguments, limits)?;
-    let craft = craft(arguments, model)?;
     let progress = Progress::start("reading");
-    let (craft, rivals) = rivals::asked(arguments, craft, &wishes)?;
-    let planned = plan(&craft, &wishes, rivals.as_ref(), &|what| progress.say(what))?;
+    let planned = Planned::new(arguments, vehicle, &|what| progress.say(what))?;
     drop(progress);
-    output::print(&words::text(&planned, &wishes))?;
-    output::print(&write(arguments, &planned, &wishes, &craft, &inputs)?)
+    output::print(&words::text(&planned.plan, &planned.wishes))?;
+    output::print(&write(arguments, &planned, &inputs)?)
+}
+
+/// A plan, and what it was made for.
+pub struct Planned {
+    /// The plan.
+    pub plan: Plan,
+    /// Within what.
+    pub wishes: Wishes,
+    /// Of what.
+    pub craft: Craft,
+}
+
+impl Planned {
+    /// Plans.
+    pub fn new(
+        arguments: &Arguments,
+        vehicle: Option<&Vehicle>,
+        progress: &sysid::progress::Progress<'_>,
+    ) -> Result<Self, Failure> {
+        let limits = vehicle.map(|vehicle| vehicle.limits).unwrap_or_default();
+        let wishes = wishes(arguments, limits)?;
+        let craft = craft(arguments, arguments.model(vehicle))?;
+        let (craft, rivals) = rivals::asked(arguments, craft, &wishes)?;
+        let plan = plan(&craft, &wishes, rivals.as_ref(), progress)?;
+        Ok(Self { plan, wishes, craft })
+    }
+}
+
+impl Arguments {
+    /// The model that is meant.
+    fn model<'a>(&'a self, vehicle: Option<&'a Vehicle>) -> Option<&'a PathBuf> {
+        let own = vehicle.and_then(|vehicle| vehicle.model.as_ref());
+        self.model.as_ref().or(own.filter(|_| self.mass.is_none()))
+    }
+
+    /// All files that are read.
+    pub fn inputs<'a>(&'a self, vehicle: Option<&'a Vehicle>) -> Vec<&'a Path> {
+        self.model(vehicle).into_iter().chain(&self.diagnosis).map(PathBuf::as_path).collect()
+    }
+
+    /// The vehicle's file, where it is wanted.
+    pub fn vehicle(&self) -> Result<Option<Vehicle>, Failure> {
+        self.wanted.find()
+    }
 }
 
 fn craft(arguments: &Arguments, model: Option<&PathBuf>) -> Result<Craft, Failure> {
@@ -184,22 +223,20 @@ fn wishes(arguments: &Arguments, limits: Limits) -> Result<Wishes, Failure> {
 /// Writes what was asked for and says so.
 fn write(
     arguments: &Arguments,
-    planned: &Plan,
-    wishes: &Wishes,
-    craft: &Craft,
+    Planned { plan, wishes, craft }: &Planned,
     inputs: &[&Path],
 ) -> Result<String, Failure> {
     let mut said = String::new();
-    let json = output::json(planned)?;
+    let json = output::json(plan)?;
     if let Some(folder) = &arguments.out {
         said.push('\n');
-        for (k, test) in planned.tests.iter().enumerate() {
+        for (k, test) in plan.tests.iter().enumerate() {
             let path = folder.join(format!("test-{}.param", k + 1));
             output::write(&path, &words::parameters(&test.test))?;
             said.push_str(&format!("parameters of test {}: {}\n", k + 1, path.display()));
         }
         let path = folder.join("page.html");
-        output::write(&path, &page::page(planned, wishes, craft, &Repeat::of_this_run(inputs))?)?;
+        output::write(&path, &page::page(plan, wishes, craft, &Repeat::of_this_run(inputs))?)?;
         said.push_str(&format!("page for the bench: {}\n", path.display()));
         output::write(&folder.join("plan.json"), &json)?;
     }

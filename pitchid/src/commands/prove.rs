@@ -6,7 +6,7 @@ use crate::{output, text};
 use benchmark::{Proof, Table};
 use clap::Args;
 use host_sim::Air;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use sysid::progress::{Counted, Step};
 
 /// Conceals physics in many simulated vehicles, seals the truth, diagnoses, and counts what was found
@@ -19,7 +19,7 @@ use sysid::progress::{Counted, Step};
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Number of cases; 24 take about two minutes on two cores
-    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u64).range(1..=9999))]
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     cases: u64,
 
     /// Seed that draws the cases
@@ -71,27 +71,41 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pool = pool.map_err(|e| Failure::new(format!("no threads: {e}"), "ask for fewer --jobs"))?;
     let tables = pool.install(|| prove(&proof, cases))?;
     let Some(path) = json else { return Ok(()) };
-    let answer = serde_json::json!({
+    output::write(path, &self::json(cases, seed, air, out, &tables)?)
+}
+
+/// The tables as JSON.
+fn json(cases: u64, seed: u64, air: Air, folder: &Path, tables: &[Table]) -> Result<String, Failure> {
+    output::json(&serde_json::json!({
         "schema": "pitchid.proof/1",
         "cases": cases,
         "seed": seed,
         "air": air.to_string(),
-        "folder": out.display().to_string(),
+        "folder": folder.display().to_string(),
         "tables": tables,
-    });
-    output::write(path, &output::json(&answer)?)
+    }))
+}
+
+/// The seals in words.
+pub fn told_seals(seals: &str) -> String {
+    format!("Sealed, SHA-256 of each truth:\n{seals}\n")
+}
+
+/// The tables in words, and where the report lies.
+pub fn told(tables: &[Table], report: &Path) -> String {
+    let table = |table: &Table| {
+        let rows = text::table(&table.header, table.short_rows(), 1);
+        format!("{}\n{rows}\n", table.title)
+    };
+    tables.iter().map(table).collect::<String>() + &format!("Report: {}\n", report.display())
 }
 
 fn prove(proof: &Proof, cases: u64) -> Result<Vec<Table>, Failure> {
     let seals = counted(cases, "concealing", |done| proof.seal(done))?;
-    output::print(&format!("Sealed, SHA-256 of each truth:\n{seals}\n"))?;
+    output::print(&told_seals(&seals))?;
     counted(cases, "diagnosing", |done| proof.diagnose(done))?;
     let tables = counted(cases, "opening the truths", |done| proof.count(done))?;
-    for table in &tables {
-        let rows = text::table(&table.header, table.short_rows(), 1);
-        output::print(&format!("{}\n{rows}\n", table.title))?;
-    }
-    output::print(&format!("Report: {}\n", proof.report().display()))?;
+    output::print(&told(&tables, &proof.report()))?;
     Ok(tables)
 }
 

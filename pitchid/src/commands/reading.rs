@@ -8,6 +8,7 @@ use crate::vehicle::{Vehicle, Wanted};
 use clap::Args;
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use sysid::catalogue::model_file::read_model;
 use sysid::model::file::ModelFile;
 use sysid::recording::{ColumnMap, InputHold, ReadOptions, Recording, SectionSpec, read};
@@ -68,6 +69,18 @@ pub struct Reading {
     vehicle: Option<Vehicle>,
 }
 
+/// The recordings of one axis that a question is about, and the model of it.
+pub struct Asked {
+    /// The recordings.
+    pub recordings: Arc<[Recording]>,
+    /// What they are called.
+    pub names: Vec<String>,
+    /// Their axis.
+    pub axis: Axis,
+    /// The user's model, with its name.
+    pub model: Option<(String, ModelFile)>,
+}
+
 /// The recordings of each axis that could be read, and why others could not.
 #[derive(Default)]
 pub struct ByAxis {
@@ -113,6 +126,12 @@ impl Reading {
         let axis = self.axis.map(AxisChoice::single).transpose()?;
         let options = self.options();
         self.sources()?.iter().map(|source| self.read(source, axis, &options)).collect()
+    }
+
+    /// The recordings of one axis, and what is said of them.
+    pub fn asked(&self) -> Result<Asked, Failure> {
+        let (recordings, model) = (self.recordings()?.into(), self.model()?);
+        Ok(Asked { recordings, names: self.names(), axis: self.axis(), model })
     }
 
     /// The axis that is meant, where it is one.

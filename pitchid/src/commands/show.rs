@@ -1,8 +1,8 @@
 //! `pitchid show`: what a log holds, before any fit.
 
 pub mod content;
-mod page;
-mod words;
+pub mod page;
+pub mod words;
 
 use crate::axes::Readable;
 use crate::failure::Failure;
@@ -92,6 +92,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs: Vec<&Path> = arguments.logs.iter().map(PathBuf::as_path).collect();
     let outputs = [&arguments.json, &arguments.report, &arguments.plot];
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
+    let shown = shown(arguments)?;
+    output::print(&words::text(&shown))?;
+    if let Some(path) = &arguments.json {
+        output::write(path, &output::json(&shown)?)?;
+    }
+    if let Some(path) = &arguments.report {
+        output::write(path, &page::page(&shown))?;
+        output::print(&format!("\nreport: {}\n", path.display()))?;
+    }
+    if let Some(path) = &arguments.plot {
+        let help = "pitchid show tells what is in the log; choose --axis or --time";
+        let picture = page::plot(&shown).ok_or_else(|| Failure::new("there is no motion to draw", help))?;
+        output::write(path, &picture)?;
+        output::print(&format!("\npicture: {}\n", path.display()))?;
+    }
+    Ok(())
+}
+
+/// What the files hold.
+pub fn shown(arguments: &Arguments) -> Result<Vec<Shown>, Failure> {
     let axes: Vec<Axis> = arguments.axis.map_or(Axis::ALL.to_vec(), |axis| vec![axis.into()]);
     let mut shown = Vec::new();
     for source in open(&arguments.logs, &[])? {
@@ -112,19 +132,5 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         }
     }
-    output::print(&words::text(&shown))?;
-    if let Some(path) = &arguments.json {
-        output::write(path, &output::json(&shown)?)?;
-    }
-    if let Some(path) = &arguments.report {
-        output::write(path, &page::page(&shown))?;
-        output::print(&format!("\nreport: {}\n", path.display()))?;
-    }
-    if let Some(path) = &arguments.plot {
-        let help = "pitchid show tells what is in the log; choose --axis or --time";
-        let picture = page::plot(&shown).ok_or_else(|| Failure::new("there is no motion to draw", help))?;
-        output::write(path, &picture)?;
-        output::print(&format!("\npicture: {}\n", path.display()))?;
-    }
-    Ok(())
+    Ok(shown)
 }

@@ -124,16 +124,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let outputs = [Some(&arguments.out), arguments.truth.as_ref(), arguments.json.as_ref()];
     let inputs: Vec<&Path> = arguments.model.iter().map(PathBuf::as_path).collect();
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
-    let flight = fly(&scenario(arguments)?)?;
+    let (flight, flown) = flown(arguments)?;
     output::write(&arguments.out, &flight.recording())?;
     if let Some(path) = &arguments.truth {
         output::write(path, &output::json(&flight.truth)?)?;
     }
-    let flown = Flown::new(arguments, &flight);
     if let Some(path) = &arguments.json {
         output::write(path, &output::json(&flown)?)?;
     }
     output::print(&flown.told())
+}
+
+/// Flies, and says what was flown.
+pub fn flown(arguments: &Arguments) -> Result<(Flight, Flown), Failure> {
+    let flight = fly(&scenario(arguments)?)?;
+    let flown = Flown::new(arguments, &flight);
+    Ok((flight, flown))
 }
 
 fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
@@ -155,7 +161,7 @@ fn scenario(arguments: &Arguments) -> Result<Scenario, Failure> {
 
 /// What was flown.
 #[derive(Serialize)]
-struct Flown {
+pub struct Flown {
     schema: &'static str,
     recording: String,
     campaign: u8,
@@ -187,7 +193,8 @@ impl Flown {
         }
     }
 
-    fn told(&self) -> String {
+    /// In words.
+    pub fn told(&self) -> String {
         let Self {
             recording,
             campaign,

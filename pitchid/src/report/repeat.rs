@@ -17,7 +17,12 @@ pub struct Repeat {
 impl Repeat {
     /// Of this run of the program.
     pub fn of_this_run(inputs: &[&Path]) -> Self {
-        let arguments = std::env::args().skip(1).map(|argument| quoted(&argument));
+        Self::of(std::env::args().skip(1), inputs)
+    }
+
+    /// Of a run with these arguments.
+    pub fn of(arguments: impl Iterator<Item = String>, inputs: &[&Path]) -> Self {
+        let arguments = arguments.map(|argument| quoted(&argument));
         let command = std::iter::once("pitchid".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ");
         let hash = |path: &&Path| {
             // a pipe gives its bytes only once

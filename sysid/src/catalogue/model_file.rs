@@ -95,6 +95,16 @@ pub fn model_file(plant: &Plant, terms: &[Term], origin: f64) -> ModelFile {
 /// Reads the model of `axis` ([`crate::model::file::AXES`]) in a model file against the catalogue of effects; without one what a
 /// model of one axis has, else pitch.
 pub fn read_model(path: &Path, axis: Option<&str>) -> Result<ModelFile, Error> {
+    crate::model::file::read(path, axis, &known())
+}
+
+/// The same of the text of a model file; `name` stands for the file in messages.
+pub fn parse_model(name: &str, text: &str) -> Result<ModelFile, Error> {
+    crate::model::file::parse(name, text, None, &known())
+}
+
+/// All effects that a model file can have.
+fn known() -> Vec<KnownEffect> {
     let named = CATALOGUE.iter().map(|&effect| KnownEffect {
         id: effect.about().id,
         shape: None,
@@ -105,7 +115,7 @@ pub fn read_model(path: &Path, axis: Option<&str>) -> Result<ModelFile, Error> {
         shape: Some(effect.name_in_file()),
         parameters: parameter_names(effect),
     });
-    crate::model::file::read(path, axis, &named.chain(nameless).collect::<Vec<_>>())
+    named.chain(nameless).collect()
 }
 
 /// An entry of a model file as a term of the model.

@@ -64,6 +64,8 @@ pub struct Answer {
 pub struct BalanceAnswer {
     /// The command that holds the vehicle, and the model's.
     pub words: String,
+    /// The command that holds the vehicle, in the unit of the input.
+    pub command: Estimate,
     /// Whether they differ, and only the balance shows it: the constant moment is listed without a share.
     pub out_of_trim: bool,
 }

@@ -93,7 +93,11 @@ impl Balance {
             || matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous) && predicts(answer);
         let out =
             self.model.as_ref().filter(|m| m.difference.verdict == statistics::Verdict::Changed && !told);
-        answer.balance = Some(BalanceAnswer { words: self.words(), out_of_trim: out.is_some() });
+        answer.balance = Some(BalanceAnswer {
+            words: self.words(),
+            command: self.command.estimate("u0", self.unit.symbol()),
+            out_of_trim: out.is_some(),
+        });
         if self.model.is_none() {
             self.carry(model);
         }

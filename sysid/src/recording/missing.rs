@@ -118,7 +118,9 @@ fn lines(lines: &[u32], rows: &[usize]) -> String {
             _ => stretches.push([row, row]),
         }
     }
-    let line = |row: usize| lines.get(row).copied().unwrap_or_default();
+    // columns in memory have no lines
+    let word = if lines.is_empty() { "row" } else { "line" };
+    let line = |row: usize| lines.get(row).map_or(row + 1, |&line| line as usize);
     let told = stretches.iter().take(LINES_TOLD).map(|&[first, last]| match last - first {
         0 => format!("{}", line(first)),
         _ => format!("{} to {}", line(first), line(last)),
@@ -127,7 +129,7 @@ fn lines(lines: &[u32], rows: &[usize]) -> String {
     if stretches.len() > LINES_TOLD {
         told.push("...".to_owned());
     }
-    format!("line {}", told.join(", "))
+    format!("{word} {}", told.join(", "))
 }
 
 /// A note over the rows, as far as their times are known.

@@ -15,6 +15,7 @@ mod columns;
 mod cut;
 mod export;
 mod expression;
+mod in_memory;
 mod missing;
 mod options;
 pub(crate) mod rate_and_angle;
@@ -29,6 +30,7 @@ use std::path::Path;
 
 pub use columns::{InputUnit, KNOWN_COLUMNS};
 pub use expression::Expression;
+pub use in_memory::{Column, from_columns};
 pub use options::{ColumnMap, InputHold, ReadOptions, SectionSpec};
 pub(crate) use sections::WHOLE;
 

@@ -12,9 +12,9 @@ use super::{Note, missing, sniff};
 use crate::error::{Error, ErrorKind, quote};
 
 /// A number beyond this is no measurement in SI units.
-const LARGEST_VALUE: f64 = 1e9;
+pub(super) const LARGEST_VALUE: f64 = 1e9;
 /// Time stamps may be nanoseconds since 1970; their unit is judged from the step.
-const LARGEST_TIME: f64 = 1e19;
+pub(super) const LARGEST_TIME: f64 = 1e19;
 
 /// One numeric column other than time, in SI units.
 #[derive(Clone, Debug)]

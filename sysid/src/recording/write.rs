@@ -17,7 +17,8 @@ impl Recording {
     }
 
     /// The columns that are there, with their names in the format.
-    pub(super) fn number_columns(&self) -> Vec<(&str, &[f64])> {
+    #[must_use]
+    pub fn number_columns(&self) -> Vec<(&str, &[f64])> {
         let mut columns: Vec<(&str, &[f64])> = vec![("t_s", &self.t), (self.u_unit.column(), &self.u)];
         let optional = [
             ("q_rad_s", &self.q),
