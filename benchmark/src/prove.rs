@@ -150,7 +150,7 @@ impl Proof {
 /// A recording or a model that cannot be read.
 pub fn answer(name: &str, recording: &str, model: &str) -> Result<[String; 2], Error> {
     let recording = [parse(name, recording.as_bytes(), &ReadOptions::default())?];
-    let model = parse_model(MODEL, model)?;
+    let model = parse_model(MODEL, model, None)?;
     let found = diagnose(&recording, Some(&model), &|_| ());
     let json = match &found {
         Ok(found) => files::json(&found.answer)?,

@@ -14,6 +14,7 @@
 //! | whether it tells two rivals apart | [`rivals`] |
 //! | which excitations come into question | [`search`] |
 //! | the whole | [`plan()`] |
+//! | the board's parameters in a file | [`parameters`] |
 //!
 //! Every test is flown by the core in the simulator (`host-sim`) and estimated from by `sysid`; recordings cross, as CSV. The same
 //! wishes give the same plan, whatever the number of threads.
@@ -21,6 +22,7 @@
 pub mod craft;
 mod error;
 pub mod forecast;
+pub mod parameters;
 mod plan;
 pub mod rivals;
 pub mod search;

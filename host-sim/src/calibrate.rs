@@ -6,14 +6,14 @@
 //! least squares. The cost is the mean over the held-out sections III and IV of VAF(a) − VAF(b). A gust counts
 //! as known in (a): it is what the plain plant misses.
 
-use estimator_core::{Phase, Section};
+use estimator_core::Section;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
 use crate::aircraft::Aircraft;
 use crate::effects::{Entry, Setting};
 use crate::error::Error;
-use crate::flight::{Flight, fly};
+use crate::flight::{Flight, fly, fly_whole};
 use crate::plant::Plant;
 use crate::scenario::Scenario;
 use crate::seeds::{Stream, generator};
@@ -195,10 +195,7 @@ pub fn nearest_for_loss(
         };
         let mut flown = scenario.clone();
         flown.conceal(vec![effect.resized(size)]);
-        let flight = fly(&flown)?;
-        if flight.outcome != Phase::Done {
-            continue;
-        }
+        let Some(flight) = fly_whole(&flown)? else { continue };
         let cost = cost_in(&flown, &flight);
         tried.push((size, cost));
         if best.is_none_or(|known| distance((size, cost)) < distance(known)) {

@@ -41,6 +41,18 @@ pub enum Error {
         /// The legal range in words.
         expected: &'static str,
     },
+    /// The motion leaves every bound: the equations have no such vehicle as their solution, and no sensor is at fault.
+    #[error(
+        "the simulation blew up at step {step} ({t_s:.2} s): the pitch rate had passed 1000 rad/s; {culprit}"
+    )]
+    BlownUp {
+        /// Tick that saw it.
+        step: u32,
+        /// Its time, s.
+        t_s: f64,
+        /// Which parameter it hangs on, as a sentence.
+        culprit: String,
+    },
     /// A campaign that the paper does not have.
     #[error("there is no campaign {found}; the campaigns are 1 to 4")]
     Campaign {

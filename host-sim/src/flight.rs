@@ -84,8 +84,8 @@ pub struct BackgroundTruth {
 /// Flies `scenario` from rest to the end of its test.
 ///
 /// # Errors
-/// A plant or a configuration that cannot be. A test that the supervisor breaks off is no error: the flight
-/// says so in its outcome.
+/// A plant or a configuration that cannot be, or whose motion leaves every bound. A test that the supervisor breaks off is no
+/// error: the flight says so in its outcome.
 pub fn fly(scenario: &Scenario) -> Result<Flight, Error> {
     fly_in(scenario, air_of(scenario)?)
 }
@@ -95,12 +95,67 @@ pub fn fly(scenario: &Scenario) -> Result<Flight, Error> {
 /// # Errors
 /// As [`fly`].
 pub fn fly_in(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Error> {
+    flown(scenario, background).map_err(|error| match error {
+        Error::BlownUp { step, t_s, .. } => {
+            Error::BlownUp { step, t_s, culprit: culprit(scenario, background) }
+        }
+        error => error,
+    })
+}
+
+/// Flies `scenario` to its end; nothing where the supervisor breaks the test off, or the motion leaves every bound.
+///
+/// # Errors
+/// As [`fly`], but for these.
+pub(crate) fn fly_whole(scenario: &Scenario) -> Result<Option<Flight>, Error> {
+    match fly(scenario) {
+        Ok(flight) => Ok((flight.outcome == Phase::Done).then_some(flight)),
+        Err(Error::BlownUp { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Which parameter it hangs on that the motion of `scenario` leaves every bound: the first effect without which it does not, or
+/// value of the plant with the nominal one in its place.
+fn culprit(scenario: &Scenario, background: BackgroundTruth) -> String {
+    // the air of a test is sized by its motion, and may be wild where that is
+    let stays = |other: Scenario| {
+        let airs = [Ok(background), air_by(&other, flown)];
+        airs.into_iter().any(|air| air.is_ok_and(|air| flown(&other, air).is_ok()))
+    };
+    for (i, effect) in scenario.effects.iter().enumerate() {
+        let mut effects = scenario.effects.clone();
+        effects.remove(i);
+        if stays(Scenario { effects, ..scenario.clone() }) {
+            let values: Vec<String> = effect.parameters().map(|(p, v)| format!("{} = {v}", p.name)).collect();
+            return format!("without {} ({}) it does not", effect.entry().id, values.join(", "));
+        }
+    }
+    let (own, nominal) = (scenario.plant, Plant::nominal());
+    let another = |name: &str, value: f64| format!("with another {name} than {value} it does not");
+    let others = [
+        (another("dM_dq_N_m_s", own.dm_dq), Plant { dm_dq: nominal.dm_dq, ..own }),
+        (another("dM_du_N_m", own.dm_du), Plant { dm_du: nominal.dm_du, ..own }),
+        (another("delay_s", own.delay_s), Plant { delay_s: nominal.delay_s, ..own }),
+        (another("inertia_kg_m2", own.inertia_kg_m2), Plant { inertia_kg_m2: nominal.inertia_kg_m2, ..own }),
+        ("without the mount it does not".to_owned(), own.rigid()),
+    ];
+    let found = others.into_iter().find(|(_, plant)| stays(Scenario { plant: *plant, ..scenario.clone() }));
+    found.map_or_else(|| "no parameter alone is the cause".to_owned(), |(words, _)| words)
+}
+
+/// As [`fly_in`], the culprit not told where the motion leaves every bound.
+fn flown(scenario: &Scenario, background: BackgroundTruth) -> Result<Flight, Error> {
     let Scenario { seed, plant, ref effects, noise, .. } = *scenario;
     let cycle = scenario.core().build::<TAPS>()?;
     let mut state = cycle.initial_state();
     let log = Aircraft::new(plant, effects, None, seed);
     let mut vehicle = vehicle(scenario, background)?;
     let outcome = estimator_core::fly(&cycle, &mut state, &mut vehicle);
+    if let Some(step) = vehicle.blown_up() {
+        let t_s = f64::from(step) * SAMPLE_PERIOD_S;
+        return Err(Error::BlownUp { step, t_s, culprit: String::new() });
+    }
     let (mut rows, states, events) = vehicle.into_log();
     let sent: Vec<f32> = rows.iter().map(|row| row.u_rad).collect();
     stamp_commands(&mut rows, &sent, |t| log.logged_at(t));
@@ -194,6 +249,13 @@ impl BackgroundTruth {
 /// # Errors
 /// As [`fly`].
 pub fn air_of(scenario: &Scenario) -> Result<BackgroundTruth, Error> {
+    air_by(scenario, fly_in)
+}
+
+fn air_by(
+    scenario: &Scenario,
+    fly_in: impl Fn(&Scenario, BackgroundTruth) -> Result<Flight, Error>,
+) -> Result<BackgroundTruth, Error> {
     let mut generator = generator(scenario.seed, Stream::Background);
     let [first, second]: [f64; 2] = [generator.random(), generator.random()];
     let level = scenario.background;
@@ -246,5 +308,33 @@ impl Flight {
     /// None that a caller could cause.
     pub fn truth_json(&self) -> Result<String, Error> {
         Ok(serde_json::to_string_pretty(&self.truth)? + "\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Setting;
+
+    /// What is said of the nominal campaign with another plant and an effect.
+    fn said(plant: Plant, effect: Option<(&str, &[(&str, f64)])>) -> String {
+        let mut scenario = Scenario { plant, ..Scenario::campaign(4, 0.015, 1).unwrap() };
+        scenario.conceal(effect.into_iter().map(|(id, values)| Setting::new(id, values).unwrap()).collect());
+        fly(&scenario).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_simulation_that_blows_up_names_the_step_and_the_value() {
+        let nominal = Plant::nominal();
+        let told = said(nominal, Some(("quadratic_drag", &[("D", 1e9)])));
+        assert!(told.starts_with("the simulation blew up at step "), "{told}");
+        assert!(told.ends_with("without quadratic_drag (D = 1000000000) it does not"), "{told}");
+        let mode: &[(&str, f64)] = &[("omega", 20.0), ("zeta", 0.01), ("gain", 1e6)];
+        let told = said(nominal, Some(("structural_mode", mode)));
+        assert!(told.contains("without structural_mode (gain = 1000000, "), "{told}");
+        let told = said(Plant { dm_dq: 160.0, ..nominal }, None);
+        assert!(told.contains("step 4 (0.08 s)") && told.contains("another dM_dq_N_m_s than 160"), "{told}");
+        let told = said(Plant { dm_du: 1e9, ..nominal }, None);
+        assert!(told.ends_with("with another dM_du_N_m than 1000000000 it does not"), "{told}");
     }
 }

@@ -7,7 +7,6 @@
 //! Of six cases in a row three conceal one effect of the catalogue, one conceals nothing, one an effect outside
 //! the catalogue, one a pair. In a quarter of the cases the IMU is fixed to the airframe.
 
-use estimator_core::Phase;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
@@ -16,7 +15,7 @@ use crate::air::Air;
 use crate::calibrate::{Strength, cost_in, nearest_for_loss, simulate, vaf};
 use crate::effects::{CATALOGUE, Entry, OUTSIDE, Setting, UNTOUCHED};
 use crate::error::Error;
-use crate::flight::{Flight, fly};
+use crate::flight::{Flight, fly_whole};
 use crate::plant::Plant;
 use crate::scenario::{Background, Scenario};
 use crate::seeds::{Stream, generator};
@@ -151,8 +150,7 @@ impl Trial {
             if settings.len() == self.entries.len() {
                 let mut scenario = self.scenario.clone();
                 scenario.conceal(settings);
-                let flight = fly(&scenario)?;
-                if flight.outcome == Phase::Done {
+                if let Some(flight) = fly_whole(&scenario)? {
                     return Ok(Concealed::new(scenario, flight, self.strength));
                 }
             }

@@ -11,6 +11,8 @@ use crate::recording::Row;
 use crate::sensors::Noise;
 
 const TICK_US: u64 = 20_000;
+/// Pitch rate that no vehicle reaches, rad/s: the integration has left the solution.
+const BLOWN_UP_RAD_S: f64 = 1e3;
 
 /// Aircraft, IMU and pilot; keeps what a rig would log, and the true states apart.
 #[derive(Debug)]
@@ -27,6 +29,7 @@ pub struct SimulatedVehicle {
     rows: Vec<Row>,
     states: Vec<State>,
     events: Vec<(f64, String)>,
+    blown_up: Option<u32>,
 }
 
 impl SimulatedVehicle {
@@ -46,7 +49,14 @@ impl SimulatedVehicle {
             rows: Vec::new(),
             states: Vec::new(),
             events: Vec::new(),
+            blown_up: None,
         }
+    }
+
+    /// The first tick at which the motion had left every bound, or a reading was no number.
+    #[must_use]
+    pub const fn blown_up(&self) -> Option<u32> {
+        self.blown_up
     }
 
     /// Logs roll and yaw too, with noise from `generator`.
@@ -84,7 +94,13 @@ impl Vehicle for SimulatedVehicle {
         if let Some(generator) = &mut self.roll_yaw_generator {
             noise.add_roll_yaw(&mut self.reading.roll_yaw, generator);
         }
-        self.states.push(self.aircraft.state());
+        let state = self.aircraft.state();
+        let bounded = state.q.abs() < BLOWN_UP_RAD_S && state.q_p.abs() < BLOWN_UP_RAD_S;
+        let read = self.reading.q.is_finite() && self.reading.theta.is_finite();
+        if self.blown_up.is_none() && !(bounded && read) {
+            self.blown_up = Some(tick);
+        }
+        self.states.push(state);
         let now_us = u64::from(tick) * TICK_US;
         let sample =
             Sample { time_us: now_us, q_rad_s: self.reading.q as f32, theta_rad: self.reading.theta as f32 };

@@ -148,7 +148,12 @@ impl From<experiment::Error> for Failure {
 
 impl From<host_sim::Error> for Failure {
     fn from(error: host_sim::Error) -> Self {
-        Self::new(error.to_string(), "see pitchid simulate --help for effects, parameters and ranges")
+        let help = match &error {
+            host_sim::Error::BlownUp { .. } => "correct that value in the model file or of --effect",
+            host_sim::Error::Plant { .. } => "correct that value under [plant] of the model file",
+            _ => "see pitchid simulate --help for effects, parameters and ranges",
+        };
+        Self::new(error.to_string(), help)
     }
 }
 

@@ -7,19 +7,19 @@ use crate::failure::Failure;
 use crate::format::plural;
 use crate::output;
 use clap::{Args, ValueEnum};
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use sysid::error::{Error, ErrorKind};
 use sysid::files;
+use sysid::legal::Legal;
 use sysid::model::file::{ModelFile, PlantSection};
 use sysid::recording::{ColumnMap, InputHold, Note, NoteKind, Recording, SectionSpec};
-use toml::Spanned;
+use sysid::toml_file::{Entry, Source};
 
 /// Its name.
 pub const NAME: &str = "pitchid.toml";
-const ADVICE: &str = "docs/formats.md lists the keys; --no-vehicle-file goes on without it";
+const ADVICE: &str = "docs/formats.md lists the keys; --no-vehicle-file goes on without the file";
 
 /// Whether the file is wanted.
 #[derive(Args, Clone, Debug, Default)]
@@ -54,29 +54,12 @@ pub struct Vehicle {
 }
 
 /// Within what the vehicle is to stay.
-#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Limits {
     /// Largest attitude, rad.
     pub attitude_rad: Option<f64>,
     /// Largest input, in its unit.
     pub input: Option<f64>,
-}
-
-/// The file as it stands.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Written {
-    axis: Option<Spanned<String>>,
-    input: Option<Spanned<String>>,
-    model: Option<PathBuf>,
-    inertia_kg_m2: Option<Spanned<f64>>,
-    #[serde(default)]
-    columns: BTreeMap<String, Spanned<String>>,
-    #[serde(default)]
-    sections: BTreeMap<String, Spanned<String>>,
-    #[serde(default)]
-    limits: Limits,
 }
 
 impl Wanted {
@@ -112,72 +95,77 @@ fn place() -> Option<PathBuf> {
 fn read(path: &Path) -> Result<Vehicle, Failure> {
     let text = files::read_text(path, ADVICE)?;
     let name = path.display().to_string();
-    Ok(parse(path, &text).map_err(|error| error.in_file(name))?)
+    let passed_over = |mut error: Error| {
+        error.advice = format!("{}; {ADVICE}", error.advice).into();
+        error.in_file(name)
+    };
+    Ok(parse(path, &text).map_err(passed_over)?)
 }
+
+/// What is legal of an inertia.
+const INERTIA: Legal = Legal::positive("kg m²");
 
 fn parse(path: &Path, text: &str) -> Result<Vehicle, Error> {
-    let at = |start: usize, found: String| {
-        let line = 1 + text[..start].matches('\n').count();
-        Error::new(ErrorKind::Options, found, ADVICE).at_line(line)
+    let source = Source::new(text);
+    let document = source.document(ADVICE)?;
+    let root = source.root(&document);
+    root.only(&["axis", "input", "model", "inertia_kg_m2", "columns", "sections", "limits"]);
+    let word = |key: &str, legal: &str| Some((root.get(key)?, root.text(key, legal)?));
+    let (axes, holds) = ("roll, pitch, yaw or all", "held or interpolated");
+    let axis = word("axis", axes).and_then(|(entry, word)| {
+        <AxisChoice as ValueEnum>::from_str(word, false).map_err(|_| entry.refuse(axes)).ok()
+    });
+    let input = word("input", holds)
+        .and_then(|(entry, word)| word.parse::<InputHold>().map_err(|_| entry.refuse(holds)).ok());
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let model = root.text("model", "the name of a model file").map(|model| folder.join(model));
+    let texts = |section: &str, legal: &'static str| -> Vec<(Entry<'_>, String)> {
+        let entries = root.table(section).into_iter().flat_map(|table| table.entries());
+        entries.filter_map(|entry| Some((entry, entry.text(legal)?.to_owned()))).collect()
     };
-    let written: Written = toml::from_str(text)
-        .map_err(|error| at(error.span().map_or(0, |span| span.start), error.message().trim().to_owned()))?;
-    let axis = written.axis.map(|word| {
-        let choice = <AxisChoice as ValueEnum>::from_str(word.get_ref(), false);
-        choice.map_err(|_| {
-            at(word.span().start, format!("axis {:?}", word.get_ref())).expecting("roll, pitch, yaw or all")
-        })
-    });
-    let input = written.input.map(|word| {
-        let hold = word.get_ref().parse::<InputHold>();
-        hold.map_err(|_| {
-            at(word.span().start, format!("input {:?}", word.get_ref())).expecting("held or interpolated")
-        })
-    });
-    let inertia = written.inertia_kg_m2.map(|value| match *value.get_ref() {
-        inertia if inertia > 0.0 && inertia.is_finite() => Ok(inertia),
-        other => Err(at(value.span().start, format!("inertia_kg_m2 = {other}"))
-            .expecting("a number above zero, kg m²")),
-    });
-    let limits = [("attitude_rad", written.limits.attitude_rad), ("input", written.limits.input)];
-    if let Some((key, _)) =
-        limits.into_iter().find(|(_, limit)| limit.is_some_and(|limit| limit.is_nan() || limit <= 0.0))
-    {
-        let start = text.find(key).unwrap_or(0);
-        return Err(at(start, format!("the limit {key} is not above zero")).expecting("a number above zero"));
-    }
-    let columns = written.columns.iter().map(|(target, source)| {
-        let map = ColumnMap::from_str(&format!("{target}={}", source.get_ref()));
-        map.map_err(|error| placed(error, &at(source.span().start, String::new())))
-    });
-    let (mut sections, mut labels) = (Vec::new(), Vec::new());
-    for (name, of) in &written.sections {
-        if of.get_ref().contains("..") {
-            let spec = SectionSpec::from_str(&format!("{name}={}", of.get_ref()));
-            sections.push(spec.map_err(|error| placed(error, &at(of.span().start, String::new())))?);
-        } else {
-            labels.push((name.clone(), of.get_ref().clone()));
+    let mut columns = Vec::new();
+    for (entry, text) in texts("columns", "a column or an expression over columns") {
+        match ColumnMap::from_str(&format!("{}={text}", entry.key)) {
+            Ok(map) => columns.push(map),
+            Err(error) => source.keep(placed(error, entry)),
         }
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    Ok(Vehicle {
+    let (mut sections, mut labels) = (Vec::new(), Vec::new());
+    for (entry, text) in texts("sections", "a time FROM..TO in s, or a label of the file") {
+        if !text.contains("..") {
+            labels.push((entry.key.to_owned(), text));
+            continue;
+        }
+        match SectionSpec::from_str(&format!("{}={text}", entry.key)) {
+            Ok(spec) => sections.push(spec),
+            Err(error) => source.keep(placed(error, entry)),
+        }
+    }
+    let limits = root.table("limits").map_or(Limits::default(), |table| {
+        table.only(&["attitude_rad", "input"]);
+        Limits {
+            attitude_rad: table.number("attitude_rad", &Legal::positive("rad")),
+            input: table.number("input", &Legal::positive("")),
+        }
+    });
+    let inertia = root.number("inertia_kg_m2", &INERTIA);
+    source.finish(Some(Vehicle {
         path: path.to_owned(),
-        axis: axis.transpose()?,
-        input: input.transpose()?,
-        model: written.model.map(|model| folder.join(model)),
-        inertia: inertia.transpose()?,
-        columns: columns.collect::<Result<_, _>>()?,
+        axis,
+        input,
+        model,
+        inertia,
+        columns,
         sections,
         labels,
-        limits: written.limits,
-    })
+        limits,
+    }))
 }
 
-/// An option's refusal at the line of the file where it stands.
-fn placed(mut error: Error, at: &Error) -> Error {
-    error.line = at.line;
-    error.advice = ADVICE.into();
-    error
+/// An option's refusal at the key of the file where it stands.
+fn placed(mut error: Error, at: Entry<'_>) -> Error {
+    error.kind = ErrorKind::Model;
+    error.at_line(at.line).in_column(at.key)
 }
 
 impl Vehicle {
@@ -291,20 +279,28 @@ mod tests {
     #[test]
     fn what_is_wrong_is_told_with_its_line() {
         for (text, line, says) in [
-            ("axis = \"roll\"\nmass = 3\n", 2, "mass"),
-            ("\naxis = \"up\"\n", 2, "axis \"up\""),
-            ("inertia_kg_m2 = 0.0\n", 1, "inertia_kg_m2"),
+            ("axis = \"roll\"\nmass = 3\n", 2, "key mass: unknown key"),
+            ("\naxis = \"up\"\n", 2, "key axis: found \"up\"\n  expected: roll, pitch, yaw or all"),
+            ("axis = 3\n", 1, "found 3\n  expected: roll, pitch, yaw or all, in quotes"),
+            ("input = \"hold\"\n", 1, "key input: found \"hold\"\n  expected: held or interpolated"),
+            ("inertia_kg_m2 = 0.0\n", 1, "inertia_kg_m2: found 0.0\n  expected: a number above 0"),
+            ("inertia_kg_m2 = 1e300\n", 1, "up to 1e12, in kg m²"),
+            ("inertia_kg_m2 = \"0.1\"\n", 1, "found \"0.1\""),
+            ("model = 3\n", 1, "the name of a model file, in quotes"),
             ("[columns]\nq_rad_s = \"gy\"\nspeed = \"v\"\n", 3, "speed"),
             ("[columns]\n\nq_rad_s = \"gy*\"\n", 3, "ends too early"),
+            ("[columns]\nq_rad_s = 3\n", 2, "a column or an expression over columns, in quotes"),
+            ("columns = 3\n", 1, "a section [columns]"),
             ("[sections]\nIV = \"9..3\"\n", 2, "IV"),
-            ("[limits]\nattitude_rad = -0.1\n", 2, "attitude_rad"),
-            ("[limits]\ndegrees = 3\n", 2, "degrees"),
+            ("# attitude_rad\n[limits]\nattitude_rad = -0.1\n", 3, "attitude_rad: found -0.1"),
+            ("[limits]\ninput = inf\n", 2, "input: found inf\n  expected: a number above 0 and up to 1e12"),
+            ("[limits]\ninput = nan\n", 2, "input: found nan"),
+            ("[limits]\ndegrees = 3\n", 2, "key degrees: unknown key\n  expected: one of "),
             ("axis = \n", 1, ""),
         ] {
             let error = vehicle(text).unwrap_err();
             assert_eq!(error.line, Some(line), "{text}: {error}");
             assert!(error.to_string().contains(says), "{text}: {error}");
-            assert!(error.to_string().contains("--no-vehicle-file"), "{error}");
         }
     }
 

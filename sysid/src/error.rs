@@ -22,7 +22,7 @@ pub enum ErrorKind {
     Options,
     /// A section that was asked for is not in the recording.
     Section,
-    /// A model file with an unknown key, effect or parameter, or a value outside its legal range.
+    /// A model file or the vehicle's with an unknown key, effect or parameter, or a value outside its legal range.
     Model,
     /// A computation that has no usable result on these data (singular, unstable, not convergent).
     Numerical,
@@ -45,7 +45,7 @@ pub struct Error {
     pub file: Option<Box<str>>,
     /// The line of the file, counted from 1.
     pub line: Option<usize>,
-    /// The name of the column (of a recording) or key (of a model file).
+    /// The name of the column (of a recording) or key (of a model file or the vehicle's).
     pub column: Option<Box<str>>,
     /// What was found.
     pub found: Box<str>,
@@ -99,7 +99,14 @@ impl Error {
     /// What else is wrong, a line each: place and what was found.
     pub fn others(&self) -> impl Iterator<Item = String> + '_ {
         self.also.iter().flat_map(|also| {
-            let told = also.errors.iter().map(|error| format!("{}{}", Place(error), error.found));
+            let legal = |error: &Self| match &error.expected {
+                Some(expected) if error.kind == ErrorKind::Model => format!("; expected {expected}"),
+                _ => String::new(),
+            };
+            let told = also
+                .errors
+                .iter()
+                .map(move |error| format!("{}{}{}", Place(error), error.found, legal(error)));
             told.chain((also.more > 0).then(|| format!("and {} more", also.more)))
         })
     }
@@ -156,7 +163,8 @@ impl fmt::Display for Place<'_> {
         let mut place = Vec::new();
         place.extend(error.file.as_deref().map(str::to_owned));
         place.extend(error.line.map(|line| format!("line {line}")));
-        place.extend(error.column.as_deref().map(|column| format!("column {column}")));
+        let what = if error.kind == ErrorKind::Model { "key" } else { "column" };
+        place.extend(error.column.as_deref().map(|column| format!("{what} {column}")));
         if place.is_empty() { Ok(()) } else { write!(f, "{}: ", place.join(", ")) }
     }
 }

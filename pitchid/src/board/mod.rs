@@ -4,7 +4,6 @@ mod cycle;
 mod key;
 mod link;
 mod log;
-pub mod parameter_file;
 mod port;
 mod station;
 pub mod taps;

@@ -1,7 +1,6 @@
 //! `pitchid fly`: runs the experiment on a board.
 
 use super::board_arguments::Line;
-use crate::board::parameter_file;
 use crate::board::taps::TapsFile;
 use crate::board::{CycleReport, Heard, Log, Phase, Station, Stop};
 use crate::failure::Failure;
@@ -133,7 +132,7 @@ fn monitor(path: &Path) -> Result<MonitorModel, Failure> {
 
 /// What is to be set: what a file says, and what the command line says instead or besides.
 fn wanted(arguments: &Arguments) -> Result<BTreeMap<String, f32>, Failure> {
-    let file = arguments.parameters.as_deref().map(parameter_file::read).transpose()?;
+    let file = arguments.parameters.as_deref().map(experiment::parameters::read).transpose()?;
     let mut wanted: BTreeMap<String, f32> = file.unwrap_or_default().into_iter().collect();
     wanted.extend(arguments.settings.iter().cloned());
     if let Some([low, high]) = arguments.campaign.and_then(|n| CAMPAIGN_DWELL_S.get(usize::from(n) - 1)) {

@@ -22,6 +22,7 @@ mod hysteresis;
 mod imu_mount;
 mod inertia_step;
 mod inflow_lag;
+mod legal;
 mod linkage_backlash;
 pub mod model_file;
 mod moment_step;

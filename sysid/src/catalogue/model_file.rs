@@ -2,6 +2,7 @@
 
 use crate::catalogue::CATALOGUE;
 use crate::catalogue::find;
+use crate::catalogue::legal::legal;
 use crate::catalogue::scaled_shape::{self, UNLISTED};
 use crate::dataset::{Amplitudes, Dataset};
 use crate::error::{Error, ErrorKind};
@@ -12,6 +13,9 @@ use crate::model::pitch::{OWN_STATES, Term};
 use crate::model::plant::{Mount, Plant};
 use std::path::Path;
 
+/// Signals of any size: the names of parameters do not hang on them, nor do their signs.
+pub(super) const ANY: Amplitudes =
+    Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 100.0, rate_limit: None };
 /// Most states that the effects have which a diagnosis adds: five of the catalogue, and two terms without a name.
 const STATES_OF_CANDIDATES: usize = 5 * 2 + 2 * 3;
 
@@ -54,6 +58,11 @@ impl Baseline {
                 term.values[moment] -= data.origin();
             }
         }
+        let has = |id: &str| terms.iter().any(|term| term.effect.about().id == id);
+        if has("gyro_lag") && has("angle_lag") {
+            let found = "gyro_lag and angle_lag, of which the model has room for one";
+            return Err(Error::new(ErrorKind::Model, found, "leave out the one that matters less"));
+        }
         let states: usize = terms.iter().map(|term| term.effect.states()).sum();
         if states + STATES_OF_CANDIDATES > OWN_STATES {
             let found = format!("effects with {states} states of their own");
@@ -94,26 +103,32 @@ pub fn model_file(plant: &Plant, terms: &[Term], origin: f64) -> ModelFile {
 
 /// Reads the model of `axis` ([`crate::model::file::AXES`]) in a model file against the catalogue of effects; without one what a
 /// model of one axis has, else pitch.
+///
+/// # Errors
+/// As [`crate::model::file::read`].
 pub fn read_model(path: &Path, axis: Option<&str>) -> Result<ModelFile, Error> {
     crate::model::file::read(path, axis, &known())
 }
 
-/// The same of the text of a model file; `name` stands for the file in messages.
-pub fn parse_model(name: &str, text: &str) -> Result<ModelFile, Error> {
-    crate::model::file::parse(name, text, None, &known())
+/// The same of the text of a file; `name` stands for it in messages.
+///
+/// # Errors
+/// As [`crate::model::file::parse`].
+pub fn parse_model(name: &str, text: &str, axis: Option<&str>) -> Result<ModelFile, Error> {
+    crate::model::file::parse(name, text, axis, &known())
 }
 
-/// All effects that a model file can have.
+/// All effects that a file may have.
 fn known() -> Vec<KnownEffect> {
     let named = CATALOGUE.iter().map(|&effect| KnownEffect {
         id: effect.about().id,
         shape: None,
-        parameters: parameter_names(effect),
+        parameters: legal(effect),
     });
     let nameless = scaled_shape::all().map(|effect| KnownEffect {
         id: UNLISTED,
         shape: Some(effect.name_in_file()),
-        parameters: parameter_names(effect),
+        parameters: legal(effect),
     });
     named.chain(nameless).collect()
 }
@@ -132,9 +147,7 @@ fn term(entry: &EffectEntry) -> Result<Term, Error> {
 
 /// Names of an effect's parameters.
 fn parameter_names(effect: &dyn Effect) -> Vec<&'static str> {
-    let any =
-        Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 100.0, rate_limit: None };
-    effect.parameters(&any).iter().map(|p| p.name).collect()
+    effect.parameters(&ANY).iter().map(|p| p.name).collect()
 }
 
 fn unknown_effect(id: &str) -> Error {

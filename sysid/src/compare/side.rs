@@ -19,8 +19,9 @@ use super::Quantity;
 use super::parts::{Response, responses};
 use super::statistics::Measured;
 use crate::dataset::{Dataset, Place, Run, pieces};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::estimate::Estimate;
+use crate::likelihood::blow_up::no_likelihood;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::{Fit, fit_baseline, refit_with, settled};
 use crate::likelihood::problem::Problem;
@@ -94,11 +95,7 @@ impl Side {
         let (data, baseline, mean) = posed(recordings, model)?;
         notes.extend(data.notes(recordings));
         let problem = &Problem::new(&data, &baseline, &[]);
-        let refuse = || {
-            let found = "the model has no finite likelihood on these data";
-            let advice = "check that the craft moves, and the units of the columns";
-            Error::new(ErrorKind::Numerical, found, advice)
-        };
+        let refuse = || no_likelihood(problem);
         let fit = fitted(problem, friction).ok_or_else(refuse)?;
         let spans = spans(problem.data);
         let information = Information::new(problem, &fit, &spans).ok_or_else(refuse)?;

@@ -21,7 +21,8 @@ use super::step_response::StepResponses;
 use super::traces::Trace;
 use crate::catalogue::CATALOGUE;
 use crate::dataset::Dataset;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
+use crate::likelihood::blow_up::no_likelihood;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::fit_baseline;
 use crate::likelihood::problem::Problem;
@@ -165,13 +166,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     }
     let places: Vec<_> = parts.iter().map(|part| part.places.clone()).collect();
     progress("fitting the baseline".into());
-    let no_likelihood = || {
-        Error::new(
-            ErrorKind::Numerical,
-            "the baseline has no finite likelihood on these data",
-            "check the units of the columns and the values of the model file",
-        )
-    };
+    let no_likelihood = || no_likelihood(&problem);
     let first = fit_baseline(&problem).ok_or_else(no_likelihood)?;
     if data_checks::is_of_the_controller(recordings, &problem, &first) {
         return input_first();

@@ -1,6 +1,7 @@
 //! Two rivals on the same data: each beside the plant, which is fitted again with either.
 
-use super::fit::{Fit, fit_baseline, no_likelihood, refit_with};
+use super::blow_up::no_likelihood;
+use super::fit::{Fit, fit_baseline, refit_with};
 use super::problem::Problem;
 use crate::catalogue::find;
 use crate::dataset::Dataset;
@@ -28,13 +29,13 @@ pub fn contest(recordings: &[Recording], model: &ModelFile, rivals: [&str; 2]) -
     let mut baseline = Baseline { delay_free: true, ..Baseline::from_model(model, &data)? };
     baseline.terms.retain(|term| !rivals.contains(&term.effect.about().id));
     let problem = Problem::new(&data, &baseline, &[]);
-    let plain = fit_baseline(&problem).ok_or_else(no_likelihood)?;
+    let plain = fit_baseline(&problem).ok_or_else(|| no_likelihood(&problem))?;
     let [first, second] = rivals.map(|id| -> Result<Fit, Error> {
         let effect = find(id).ok_or_else(|| {
             let found = format!("no effect \"{id}\" that could be told from another");
             Error::new(ErrorKind::Model, found, "use an id of the catalogue (docs/catalogue.md)")
         })?;
-        best(&problem, &plain, effect).ok_or_else(no_likelihood)
+        best(&problem, &plain, effect).ok_or_else(|| no_likelihood(&problem))
     });
     let fits = [first?, second?];
     let [a, b] = fits.each_ref().map(|fit| fit.bic(&problem));

@@ -1,7 +1,6 @@
 //! Maximum likelihood for one set of effects: the innovations form with coloured disturbance.
 
 use super::problem::Problem;
-use crate::error::{Error, ErrorKind};
 use crate::model::effect::Effect;
 use crate::optim::levenberg_marquardt::{Effort, Minimum, minimize};
 use nalgebra::Matrix2;
@@ -125,12 +124,6 @@ pub fn refit_with(
     });
     let start: Vec<f64> = plain.minimum.values.iter().copied().chain(own).collect();
     refit(problem, effects, &start)
-}
-
-/// The error where no fit has a finite likelihood.
-pub fn no_likelihood() -> Error {
-    let help = "check that the axis is excited, and the units of the columns";
-    Error::new(ErrorKind::Numerical, "the model has no finite likelihood on these data", help)
 }
 
 /// Mean square of residuals.

@@ -1,5 +1,6 @@
 //! The likelihood of data under a model: the unknowns, the predictor, fits, free runs.
 
+pub mod blow_up;
 pub mod contest;
 pub mod evidence;
 pub mod fit;

@@ -7,8 +7,9 @@
 //! with the noise model, and the mount where there is one, unknown beside the plant (Ljung, System Identification, 2nd ed., ch. 9).
 //! Where the scores of blocks vary by more than H says, the interval is that of the blocks ([`Information::deviations`]).
 
+use super::blow_up::no_likelihood;
 use super::evidence::Information;
-use super::fit::{fit_baseline, no_likelihood};
+use super::fit::fit_baseline;
 use super::problem::Problem;
 use crate::dataset::Dataset;
 use crate::error::Error;
@@ -26,8 +27,8 @@ pub fn precision(recordings: &[Recording], model: &ModelFile) -> Result<Vec<Esti
     let data = Dataset::new(recordings)?;
     let baseline = Baseline { delay_free: true, ..Baseline::from_model(model, &data)? };
     let problem = Problem::new(&data, &baseline, &[]);
-    let fit = fit_baseline(&problem).ok_or_else(no_likelihood)?;
-    let information = Information::new(&problem, &fit, &[]).ok_or_else(no_likelihood)?;
+    let fit = fit_baseline(&problem).ok_or_else(|| no_likelihood(&problem))?;
+    let information = Information::new(&problem, &fit, &[]).ok_or_else(|| no_likelihood(&problem))?;
     let values = &fit.minimum.values;
     let deviations = information.deviations(values);
     let estimate = |(i, unknown): (usize, crate::optim::levenberg_marquardt::Coordinate)| {

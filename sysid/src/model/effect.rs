@@ -296,7 +296,7 @@ pub trait Effect: Sync {
     }
 }
 
-impl dyn Effect {
+impl dyn Effect + '_ {
     /// Indices of the parameters that are moments in time.
     pub fn moments(&self) -> impl Iterator<Item = usize> + use<> {
         self.begins_at().into_iter().chain(self.ends_at())

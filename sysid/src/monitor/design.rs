@@ -3,7 +3,8 @@
 use super::reduced::Linear;
 use crate::dataset::{Dataset, Run};
 use crate::error::{Error, ErrorKind};
-use crate::likelihood::fit::{Fit, covariance, fit_baseline, no_likelihood, refit_with, settled};
+use crate::likelihood::blow_up::no_likelihood;
+use crate::likelihood::fit::{Fit, covariance, fit_baseline, refit_with, settled};
 use crate::likelihood::problem::{Problem, Unpacked};
 use crate::model::baseline::Baseline;
 use crate::model::file::ModelFile;
@@ -60,6 +61,7 @@ pub fn design(recordings: &[Recording], model: Option<&ModelFile>) -> Result<Des
         return Err(Error::new(ErrorKind::Column, found, "record it: the monitor follows the rate"));
     }
     let problem = Problem::new(&data, &baseline, &[]);
+    let no_likelihood = || no_likelihood(&problem);
     let fit = fitted(&problem).ok_or_else(no_likelihood)?;
     let mut unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
     unpacked.disturbance.zero = unpacked.disturbance.zero.max(SLOWEST);

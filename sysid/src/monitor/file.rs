@@ -77,10 +77,14 @@ impl Design {
 /// A file that cannot be read, that is no monitor, or that no board would run; with the line where there is one.
 pub fn read_monitor(path: &Path) -> Result<(MonitorModel, f64), Error> {
     let text = files::read_text(path, HELP)?;
-    parse(&text).map_err(|error| error.in_file(path.display().to_string()))
+    parse_monitor(&text).map_err(|error| error.in_file(path.display().to_string()))
 }
 
-fn parse(text: &str) -> Result<(MonitorModel, f64), Error> {
+/// The same of the text of a file.
+///
+/// # Errors
+/// As [`read_monitor`].
+pub fn parse_monitor(text: &str) -> Result<(MonitorModel, f64), Error> {
     let refuse = |found: String| Error::new(ErrorKind::Model, found, HELP);
     let file: File = toml::from_str(text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
@@ -114,19 +118,19 @@ mod tests {
     fn what_is_written_is_read_to_the_bit_and_a_broken_file_is_refused_with_its_line() {
         let design = design(&[recording(0.015)], None).unwrap();
         let text = design.to_toml().unwrap();
-        assert_eq!(parse(&text).unwrap(), (design.model, design.step));
+        assert_eq!(parse_monitor(&text).unwrap(), (design.model, design.step));
         for (from, to, told) in [
             ("pitchid.monitor/1", "pitchid.monitor/9", "expected"),
             ("gain = ", "gain = \"x\" #", "line "),
             ("name = \"lag\"", "name = \"leg\"", "leg"),
             ("dead_zone = ", "dead_zone = -", "dead_zone"),
         ] {
-            let error = parse(&text.replacen(from, to, 1)).unwrap_err().to_string();
+            let error = parse_monitor(&text.replacen(from, to, 1)).unwrap_err().to_string();
             assert!(error.contains(told), "{error}");
         }
         let mut wild = design.clone();
         wild.model.transition[0] = [1.5, 0.0, 0.0, 0.5];
-        let error = parse(&wild.to_toml().unwrap()).unwrap_err().to_string();
+        let error = parse_monitor(&wild.to_toml().unwrap()).unwrap_err().to_string();
         assert!(error.contains("not stable"), "{error}");
     }
 }

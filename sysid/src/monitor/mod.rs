@@ -10,5 +10,5 @@ pub mod reduced;
 pub mod replay;
 
 pub use design::{Design, design};
-pub use file::read_monitor;
+pub use file::{parse_monitor, read_monitor};
 pub use replay::{Row, replay};

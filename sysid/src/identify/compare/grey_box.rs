@@ -11,6 +11,7 @@ use crate::identify::linear_model::LinearModel;
 use crate::identify::output_error::delay_profile::{DelayProfile, delay_profile};
 use crate::identify::output_error::identifiability::{Identifiability, identifiability};
 use crate::identify::output_error::{Noise, Options, OutputErrorFit, fit};
+use crate::likelihood::blow_up::no_likelihood;
 use crate::likelihood::fit::{Fit, fit_baseline};
 use crate::likelihood::free_run::{
     noise_held, output_errors, refit_for_simulation, starting_points, vaf_by_place,
@@ -139,16 +140,13 @@ fn add_intervals(model: &mut ModelFile, parameters: &[Estimate]) {
 
 /// A grey box with effects, by the general model's numerical derivatives.
 fn with_effects(work: &Work, baseline: &Baseline) -> Result<GreyBox, Error> {
-    let failed = |what: &str| {
-        let advice = "check the units of the columns and the values of the model file";
-        Error::new(ErrorKind::Numerical, what, advice)
-    };
     let (data, split) = (work.data, work.split);
     let problem = Problem::new(data, baseline, &split.held_out);
-    let fit = fit_baseline(&problem)
-        .ok_or_else(|| failed("the grey box has no finite likelihood on these data"))?;
-    let minimum = refit_for_simulation(&problem, &fit, &split.training)
-        .ok_or_else(|| failed("the free run of the grey box diverges on these data"))?;
+    let fit = fit_baseline(&problem).ok_or_else(|| no_likelihood(&problem))?;
+    let minimum = refit_for_simulation(&problem, &fit, &split.training).ok_or_else(|| {
+        let advice = "check the units of the columns and the values of the model file";
+        Error::new(ErrorKind::Numerical, "the free run of the grey box diverges on these data", advice)
+    })?;
     let unpacked = problem.unpack(&[], &minimum.values);
     let all = split.all();
     let vaf = vaf_by_place(&problem, &unpacked, &all);

@@ -38,6 +38,7 @@ pub fn to_toml(models: &[(&str, &ModelFile)]) -> Result<String, Error> {
 mod tests {
     use super::super::{KnownEffect, parse};
     use super::*;
+    use crate::legal::Legal;
 
     const TWO: &str = "[plant]\ninertia_kg_m2 = 0.01\n[roll]\ninertia_kg_m2 = 0.02\ndM_du_N_m = 3\n\
         [[effect]]\nid = \"servo_lag\"\nT = 0.05\n[[effect]]\naxis = \"roll\"\nid = \"trim_offset\"\nM0 = 0.1\n\
@@ -47,7 +48,7 @@ mod tests {
         [("servo_lag", "T"), ("trim_offset", "M0")].map(|(id, parameter)| KnownEffect {
             id,
             shape: None,
-            parameters: vec![parameter],
+            parameters: vec![(parameter, Legal::any(""))],
         })
     }
 
@@ -82,5 +83,17 @@ mod tests {
         let refused = of(&TWO.replace("axis = \"roll\"", "axis = \"rol\""), None).unwrap_err();
         assert_eq!(refused.line, Some(10), "{refused}");
         assert!(refused.to_string().contains("roll, pitch, yaw"), "{refused}");
+    }
+
+    #[test]
+    fn an_effect_of_all_axes_and_of_one_of_them_are_the_same_twice() {
+        let twice =
+            TWO.replace("\"trim_offset\"\nM0", "\"servo_lag\"\nT").replace("trim_offset.M0", "servo_lag.T");
+        let refused = of(&twice, Some("yaw")).unwrap_err();
+        assert_eq!(refused.line, Some(11), "{refused}");
+        assert!(refused.to_string().contains("servo_lag a second time; the first is on line 6"), "{refused}");
+        let apart =
+            twice.replace("[[effect]]\nid = \"servo_lag\"", "[[effect]]\naxis = \"yaw\"\nid = \"servo_lag\"");
+        assert_eq!(of(&apart, Some("yaw")).unwrap().effects.len(), 1);
     }
 }

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use toml::{Spanned, Value};
 
-use super::{AXES, Source, positive};
-use crate::error::{Error, ErrorKind, quote};
+use super::AXES;
+use crate::error::quote;
+use crate::legal::Legal;
+use crate::toml_file::{Source, Table};
 
 /// One effect with its parameters, in the units of the catalogue.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,122 +32,123 @@ pub struct KnownEffect {
     pub id: &'static str,
     /// Its shape, for a term without a name.
     pub shape: Option<&'static str>,
-    /// Names of its parameters, all of which must be given.
-    pub parameters: Vec<&'static str>,
+    /// Its parameters, all of which must be given, with what is legal.
+    pub parameters: Vec<(&'static str, Legal)>,
 }
 
 /// Keys of what the signals of a term without a name are divided by: pitch rate (rad/s), pitch angle (rad), input (its
 /// unit) and time (s); each > 0.
 pub const SCALES: [&str; 4] = ["scale_q_rad_s", "scale_theta_rad", "scale_u", "duration_s"];
 
-/// An entry as it stands.
-pub(super) type Raw = Spanned<BTreeMap<Spanned<String>, Spanned<Value>>>;
+/// An effect and the axis that it is of; without one it is of all.
+type OfAxis = (Option<String>, EffectEntry);
 
-/// A value with its line.
-type Placed<T> = (T, usize);
-
-/// An entry whose values are numbers.
-struct Parsed {
-    axis: Option<String>,
-    id: Placed<String>,
-    shape: Option<Placed<String>>,
-    parameters: BTreeMap<String, Placed<f64>>,
-}
-
-/// The entry, if it is one of `table` with all its parameters, and the axis that it is of; without one it is of all.
-pub(super) fn checked(
-    source: &Source,
-    entry: Raw,
-    table: &[KnownEffect],
-) -> Result<(Option<String>, EffectEntry), Error> {
-    let Parsed { axis, id: (id, id_line), shape, parameters } = parsed(source, entry)?;
-    let known = find(table, (&id, id_line), shape.as_ref())?;
-    let expected = format!("{id} with {}", known.parameters.join(", "));
-    let unknown = parameters.iter().find(|(key, _)| !known.parameters.contains(&key.as_str()));
-    if let Some((key, (_, line))) = unknown {
-        return Err(
-            wrong("unknown parameter", "correct the key or delete the line", *line, key).expecting(expected)
-        );
-    }
-    if let Some(missing) = known.parameters.iter().find(|name| !parameters.contains_key(**name)) {
-        let found = format!("{id} without {missing}");
-        return Err(wrong(found, "add the parameter", id_line, missing).expecting(expected));
-    }
-    let none =
-        |(key, (value, _)): &(&String, &Placed<f64>)| SCALES.contains(&key.as_str()) && !positive(*value);
-    if let Some((key, (value, line))) = parameters.iter().find(none) {
-        return Err(
-            wrong(format!("found {value}"), "correct the value", *line, key).expecting("a number above 0")
-        );
-    }
-    let parameters = parameters.into_iter().map(|(key, (value, _))| (key, value)).collect();
-    Ok((axis, EffectEntry { id, shape: shape.map(|(shape, _)| shape), parameters, remark: None }))
-}
-
-fn wrong(found: impl Into<Box<str>>, advice: &str, line: usize, key: &str) -> Error {
-    Error::new(ErrorKind::Model, found, advice).at_line(line).in_column(key)
-}
-
-fn parsed(source: &Source, entry: Raw) -> Result<Parsed, Error> {
-    let line = source.line(entry.span().start);
-    let (mut axis, mut id, mut shape) = (None, None, None);
-    let mut parameters = BTreeMap::new();
-    for (key, value) in entry.into_inner() {
-        let (line, key) = (source.line(key.span().start), key.into_inner());
-        let refuse = |expected: &str| {
-            let found = format!("found {}", quote(&value.get_ref().to_string()));
-            wrong(found, "correct the value", line, &key).expecting(expected)
+/// The effects of a file in their order; what is wrong with one is kept by `source`.
+pub(super) fn read(source: &Source<'_>, root: &Table<'_>, known: &[KnownEffect]) -> Vec<OfAxis> {
+    let tables = root.get("effect").map(|entry| entry.tables()).unwrap_or_default();
+    let mut all: Vec<(usize, OfAxis)> = Vec::new();
+    for table in tables {
+        let Some((axis, effect)) = one(source, &table, known) else { continue };
+        let same = |(_, (of, other)): &&(usize, OfAxis)| {
+            let together = of.is_none() || axis.is_none() || *of == axis;
+            together && (&other.id, &other.shape) == (&effect.id, &effect.shape)
         };
-        match value.get_ref() {
-            Value::String(text) if key == "axis" && AXES.contains(&text.as_str()) => {
-                axis = Some(text.clone());
-            }
-            _ if key == "axis" => return Err(refuse(&format!("one of {}, in quotes", AXES.join(", ")))),
-            Value::String(text) if key == "id" => id = Some((text.clone(), line)),
-            _ if key == "id" => return Err(refuse("the id of an effect, in quotes")),
-            Value::String(text) if key == "shape" => shape = Some((text.clone(), line)),
-            _ if key == "shape" => return Err(refuse("the shape of a term without a name, in quotes")),
-            Value::Float(number) if number.is_finite() => drop(parameters.insert(key, (*number, line))),
-            Value::Integer(number) => drop(parameters.insert(key, (*number as f64, line))),
-            _ => return Err(refuse("a finite number")),
+        if let Some((first, _)) = all.iter().find(same) {
+            let line = table.get("id").map_or(table.line, |id| id.line);
+            let found = format!("{} a second time; the first is on line {first}", effect.id);
+            source.expect(line, "id", found, "each effect once", "delete one of the two entries");
+        }
+        all.push((table.line, (axis, effect)));
+    }
+    all.into_iter().map(|(_, effect)| effect).collect()
+}
+
+fn one(source: &Source<'_>, table: &Table<'_>, all: &[KnownEffect]) -> Option<OfAxis> {
+    let axis = axis(table);
+    let Some(id) = table.get("id") else {
+        source.refuse(table.line, "id", "an effect without id", "add a line id = \"...\"");
+        return None;
+    };
+    let (id_line, id) = (id.line, id.text("the id of an effect")?);
+    let known = find(source, table, all, (id, id_line))?;
+    let names: Vec<&str> = known.parameters.iter().map(|(name, _)| *name).collect();
+    let expected = format!("{id} with {}", names.join(", "));
+    let (mut parameters, mut unknown) = (BTreeMap::new(), 0);
+    for entry in table.entries().filter(|entry| !["axis", "id", "shape"].contains(&entry.key)) {
+        let Some((name, legal)) = known.parameters.iter().find(|(name, _)| *name == entry.key) else {
+            unknown += 1;
+            let advice = "correct the key or delete the line";
+            source.expect(entry.line, entry.key, "unknown parameter", expected.as_str(), advice);
+            continue;
+        };
+        if let Some(value) = entry.number(legal) {
+            parameters.insert((*name).to_owned(), value);
         }
     }
-    let advice = "add a line id = \"...\"";
-    let id = id.ok_or_else(|| Error::new(ErrorKind::Model, "an effect without id", advice).at_line(line))?;
-    Ok(Parsed { axis, id, shape, parameters })
+    // a misspelt key is not missing as well
+    let missing = known.parameters.iter().filter(|(name, _)| table.get(name).is_none());
+    for (name, legal) in missing.skip(unknown) {
+        source.expect(id_line, name, format!("{id} without {name}"), legal.to_string(), "add the parameter");
+    }
+    Some((
+        axis?,
+        EffectEntry { id: id.into(), shape: known.shape.map(str::to_owned), parameters, remark: None },
+    ))
 }
 
-/// The effect of `table` with this id and shape.
-fn find<'t>(
-    table: &'t [KnownEffect],
+/// The axis that an entry is of: none where it is of all; nothing where it cannot be read.
+fn axis(table: &Table<'_>) -> Option<Option<String>> {
+    let Some(entry) = table.get("axis") else { return Some(None) };
+    let legal = format!("one of {}", AXES.join(", "));
+    let axis = entry.text(&legal)?;
+    if !AXES.contains(&axis) {
+        entry.refuse(&legal);
+        return None;
+    }
+    Some(Some(axis.to_owned()))
+}
+
+/// The effect with this id and the shape of `table`.
+fn find<'k>(
+    source: &Source<'_>,
+    table: &Table<'_>,
+    all: &'k [KnownEffect],
     (id, id_line): (&str, usize),
-    shape: Option<&Placed<String>>,
-) -> Result<&'t KnownEffect, Error> {
-    let same: Vec<&KnownEffect> = table.iter().filter(|known| known.id == id).collect();
+) -> Option<&'k KnownEffect> {
+    let same: Vec<&KnownEffect> = all.iter().filter(|known| known.id == id).collect();
     let Some(first) = same.first() else {
-        let mut ids: Vec<&str> = table.iter().map(|known| known.id).collect();
+        let mut ids: Vec<&str> = all.iter().map(|known| known.id).collect();
         ids.dedup();
-        let found = format!("unknown effect {}", quote(id));
-        return Err(wrong(found, "correct the id or delete the entry", id_line, "id")
-            .expecting(format!("one of {}", ids.join(", "))));
+        let (found, legal) = (format!("unknown effect {}", quote(id)), format!("one of {}", ids.join(", ")));
+        source.expect(id_line, "id", found, legal, "correct the id or delete the entry");
+        return None;
     };
     let shapes: Vec<&str> = same.iter().filter_map(|known| known.shape).collect();
-    match shape {
-        None if first.shape.is_none() => Ok(first),
-        None => Err(wrong(format!("{id} without shape"), "add a line shape = \"...\"", id_line, "shape")
-            .expecting(format!("one of {}", shapes.join(", ")))),
-        Some((_, line)) if shapes.is_empty() => {
-            Err(wrong("unknown parameter", "correct the key or delete the line", *line, "shape")
-                .expecting(format!("{id} with {}", first.parameters.join(", "))))
+    let legal = format!("one of {}", shapes.join(", "));
+    let Some(shape) = table.get("shape") else {
+        if first.shape.is_some() {
+            source.expect(
+                id_line,
+                "shape",
+                format!("{id} without shape"),
+                legal,
+                "add a line shape = \"...\"",
+            );
         }
-        Some((shape, line)) => {
-            same.iter().copied().find(|known| known.shape == Some(shape.as_str())).ok_or_else(|| {
-                let found = format!("unknown shape {}", quote(shape));
-                wrong(found, "correct the shape or delete the entry", *line, "shape")
-                    .expecting(format!("one of {}", shapes.join(", ")))
-            })
-        }
+        return first.shape.is_none().then_some(*first);
+    };
+    if shapes.is_empty() {
+        let found = format!("{id} with a shape");
+        source.refuse(shape.line, "shape", found, "delete the line: an effect of the catalogue has none");
+        return None;
     }
+    let name = shape.text("the shape of a term without a name")?;
+    let found = same.iter().copied().find(|known| known.shape == Some(name));
+    if found.is_none() {
+        let advice = "correct the shape or delete the entry";
+        source.expect(shape.line, "shape", format!("unknown shape {}", quote(name)), legal, advice);
+    }
+    found
 }
 
 #[cfg(test)]
@@ -158,10 +160,12 @@ mod tests {
         c1_N_m = -0.02\nscale_q_rad_s = 0.3\nscale_theta_rad = 0.1\nscale_u = 0.015\nduration_s = 100\n";
 
     fn table() -> [KnownEffect; 3] {
-        let parameters = [&["c1_N_m"], &SCALES[..]].concat();
+        let scale = |&name| (name, Legal::positive(""));
+        let parameters: Vec<_> =
+            std::iter::once(("c1_N_m", Legal::any("N m"))).chain(SCALES.iter().map(scale)).collect();
         let of_q = KnownEffect { id: "unlisted", shape: Some("of_q"), parameters: parameters.clone() };
         [
-            KnownEffect { id: "gravity_stiffness", shape: None, parameters: vec!["G"] },
+            KnownEffect { id: "gravity_stiffness", shape: None, parameters: vec![("G", Legal::any("N m"))] },
             of_q,
             KnownEffect { id: "unlisted", shape: Some("of_u"), parameters },
         ]
@@ -186,13 +190,14 @@ mod tests {
     fn malformed_terms_name_line_key_and_advice() {
         let cases = [
             (("\"of_q\"", "\"of_x\""), 6, "shape: unknown shape \"of_x\"\n  expected: one of of_q, of_u"),
-            (("\"of_q\"", "3"), 6, "shape: found \"3\"\n  expected: the shape"),
+            (("\"of_q\"", "3"), 6, "shape: found 3\n  expected: the shape"),
             (("shape = \"of_q\"\n", ""), 5, "unlisted without shape\n  expected: one of of_q, of_u"),
-            (("\"unlisted\"", "\"gravity_stiffness\""), 6, "expected: gravity_stiffness with G"),
+            (("\"unlisted\"", "\"gravity_stiffness\""), 6, "gravity_stiffness with a shape"),
             (("\"unlisted\"", "\"listed\""), 5, "one of gravity_stiffness, unlisted\n"),
             (("scale_u = 0.015\n", ""), 5, "unlisted without scale_u"),
             (("scale_u = 0.015", "scale_u = 0"), 10, "scale_u: found 0\n  expected: a number above 0"),
-            (("c1_N_m = -0.02", "c1_N_m = [1]"), 7, "a finite number"),
+            (("c1_N_m = -0.02", "c1_N_m = [1]"), 7, "c1_N_m: found [1]\n  expected: a number from -1e12"),
+            (("c1_N_m = -0.02", "c1_N_m = 1e13"), 7, "c1_N_m: found 1e13"),
         ];
         for ((from, to), line, part) in cases {
             let text = TERM.replacen(from, to, 1);
