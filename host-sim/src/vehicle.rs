@@ -11,8 +11,9 @@ use crate::recording::Row;
 use crate::sensors::Noise;
 
 const TICK_US: u64 = 20_000;
-/// Pitch rate that no vehicle reaches, rad/s: the integration has left the solution.
-const BLOWN_UP_RAD_S: f64 = 1e3;
+/// Pitch rate that no vehicle reaches, rad/s: the integration has left the solution. The core takes a larger one for no sample, and a
+/// simulation that blew up would end as a fault of the sensor.
+const BLOWN_UP_RAD_S: f64 = 35.0;
 
 /// Aircraft, IMU and pilot; keeps what a rig would log, and the true states apart.
 #[derive(Debug)]
@@ -95,9 +96,8 @@ impl Vehicle for SimulatedVehicle {
             noise.add_roll_yaw(&mut self.reading.roll_yaw, generator);
         }
         let state = self.aircraft.state();
-        let bounded = state.q.abs() < BLOWN_UP_RAD_S && state.q_p.abs() < BLOWN_UP_RAD_S;
-        let read = self.reading.q.is_finite() && self.reading.theta.is_finite();
-        if self.blown_up.is_none() && !(bounded && read) {
+        let bounded = [state.q, state.q_p, self.reading.q].iter().all(|rate| rate.abs() < BLOWN_UP_RAD_S);
+        if self.blown_up.is_none() && !(bounded && self.reading.theta.is_finite()) {
             self.blown_up = Some(tick);
         }
         self.states.push(state);
