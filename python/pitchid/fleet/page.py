@@ -62,10 +62,9 @@ def _chart(parameter: Parameter) -> dict[str, str]:
 
 def _told(type_: Type) -> dict[str, Any]:
     """What the page says of a type."""
-    outliers = [
-        {"craft": craft, "parameter": parameter} for parameter in type_.parameters for craft in parameter.craft if craft.outlier
-    ]
-    outliers.sort(key=lambda one: one["craft"].p)
+    found = [(craft, parameter) for parameter in type_.parameters for craft in parameter.craft if craft.outlier]
+    found.sort(key=lambda one: one[0].p)
+    outliers = [{"craft": craft, "parameter": parameter} for craft, parameter in found]
     verdicts = ", ".join(f"{count} {verdict.replace('_', ' ')}" for verdict, count in sorted(type_.verdicts.items()))
     drawn = [one for one in type_.parameters if len(one.craft) >= LEAST_CRAFT]
     drawn.sort(key=lambda one: min(craft.p for craft in one.craft))

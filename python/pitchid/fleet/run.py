@@ -65,8 +65,10 @@ class Run:
 
         def known(path: str) -> str | None:
             row = table.rows.get(path)
-            same = row and row["arguments"] == arguments and row["version"] == __version__
-            return row["sha256"] if same and not (retry and row["status"] == "failed") else None
+            if row is None or (retry and row["status"] == "failed"):
+                return None
+            same = row["arguments"] == arguments and row["version"] == __version__
+            return row["sha256"] if same else None
 
         jobs = ((path, arguments, known(path), self._engine["limit_s"]) for path in paths)
         try:
@@ -171,23 +173,32 @@ def spread(client, work, jobs: Iterable[tuple[Any, ...]], key) -> Iterator[tuple
             told = f"the scheduler was lost with {len(flying)} files under way"
             raise PitchidError(told, "what is done is in the table; run it again to go on")
         for future in ended:
-            if client.status != "running":
-                break
             job, again = flying.pop(future)
-            lost = future.status in ("cancelled", "lost")
-            result = None if lost else future.result() if future.status == "finished" else future.exception()
+            lost, result = _result(future)
             future.release()
-            if (lost or isinstance(result, distributed.KilledWorker)) and again < AGAIN:
+            if lost and client.status != "running":
+                flying[future] = (job, again)
+            elif (lost or isinstance(result, distributed.KilledWorker)) and again < AGAIN:
                 give(job, again + 1)
             else:
                 yield key(job), result
+
+
+def _result(future: distributed.Future) -> tuple[bool, Any]:
+    """Whether a future was lost on its way, and its result or exception."""
+    if future.status in ("cancelled", "lost"):
+        return True, None
+    try:
+        return False, future.result(timeout=LOST_S) if future.status == "finished" else future.exception()
+    except (distributed.CancelledError, TimeoutError, OSError):
+        return True, None
 
 
 def paths_of(of: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:
     """The files that paths and patterns (``**`` for any folders) name, each once, with their whole paths."""
     all_ = [of] if isinstance(of, (str, os.PathLike)) else list(of)
     found: dict[str, None] = {}
-    for one in map(os.fspath, all_):
+    for one in [os.fspath(path) for path in all_]:
         matched = sorted(glob.glob(one, recursive=True)) if glob.has_magic(one) and not os.path.exists(one) else [one]
         found |= {os.path.abspath(path): None for path in matched if not os.path.isdir(path)}
     return list(found)
@@ -196,7 +207,7 @@ def paths_of(of: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> l
 def _arguments(options: dict[str, Any]) -> str:
     """The options of a diagnosis as text, with the hash of the model's file."""
     options = {name: value for name, value in options.items() if value is not None}
-    named = {"options": options}
+    named: dict[str, Any] = {"options": options}
     if "model" in options:
         options["model"] = os.path.abspath(options["model"])
         named["model_sha256"] = digest(options["model"])
