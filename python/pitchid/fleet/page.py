@@ -24,7 +24,8 @@ def number(value: float) -> str:
     if value == 0 or not np.isfinite(value):
         return "0" if value == 0 else "–"
     magnitude = int(np.floor(np.log10(abs(value))))
-    text = f"{value:.{max(0, 2 - magnitude)}f}" if -4 <= magnitude < 5 else f"{value:.2e}"
+    small = -4 <= magnitude < 5
+    text = f"{value:.{max(0, 2 - magnitude)}f}" if small else f"{value / 10.0**magnitude:.2f}e{magnitude}"
     return text.replace("-", "−")
 
 

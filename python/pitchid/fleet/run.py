@@ -104,7 +104,7 @@ def _client(client: distributed.Client | str | None, workers: int | None) -> Ite
     elif client:
         try:
             own = distributed.Client(client, timeout="20s", set_as_default=False)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, distributed.TimeoutError) as error:
             told = f"no scheduler answers at {client}: {error}"
             raise PitchidError(told, "start one with dask scheduler, and name its address, tcp://HOST:PORT") from None
         with own:
@@ -163,9 +163,7 @@ def spread(client, work, jobs: Iterable[tuple[Any, ...]], key) -> Iterator[tuple
         try:
             with client.as_current():
                 ended = distributed.wait(list(flying), timeout=1, return_when="FIRST_COMPLETED").done
-        except (TimeoutError, distributed.TimeoutError):
-            ended = set()
-        except distributed.CancelledError:
+        except (distributed.CancelledError, distributed.TimeoutError):
             ended = set()
         if client.status == "running":
             heard = time.monotonic()
@@ -190,7 +188,7 @@ def _result(future: distributed.Future) -> tuple[bool, Any]:
         return True, None
     try:
         return False, future.result(timeout=LOST_S) if future.status == "finished" else future.exception()
-    except (distributed.CancelledError, TimeoutError, OSError):
+    except (distributed.CancelledError, distributed.TimeoutError, OSError):
         return True, None
 
 
