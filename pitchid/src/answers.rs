@@ -109,8 +109,10 @@ impl Question {
         model: Option<&Path>,
     ) -> Result<Self, Failure> {
         let axis = axis_named(axis)?;
-        let of = |path: &Path| Ok((path.display().to_string(), model_at(path, Some(axis))?));
-        let model = model.map(of).transpose().map_err(|failure: Failure| failure)?;
+        let model = match model {
+            Some(path) => Some((path.display().to_string(), model_at(path, Some(axis))?)),
+            None => None,
+        };
         let names = recordings.iter().map(|recording| recording.name.clone()).collect();
         Ok(Self { asked: Asked { recordings, names, axis, model }, repeat: Repeat::default() })
     }

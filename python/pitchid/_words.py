@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from typing import Union
+from typing import Any, Union
 
 Path = Union[str, "os.PathLike[str]"]
 Span = tuple[Union[float, None], Union[float, None]]
@@ -16,7 +16,7 @@ def span(of: Span) -> str:
     return f"{'' if begin is None else repr(float(begin))}..{'' if end is None else repr(float(end))}"
 
 
-def paths(of: Path | Iterable[Path]) -> list[str]:
+def paths(of: Any) -> list[str]:
     """One path or several, as texts."""
     return [os.fspath(of)] if isinstance(of, (str, os.PathLike)) else [os.fspath(path) for path in of]
 

@@ -13,7 +13,7 @@ from .model import Model, StateSpace
 from .recording import Recording
 
 if TYPE_CHECKING:
-    from . import _native
+    from ._native import Answer as Native
 
 Number = Optional[float]
 """A number; None where it is not finite."""
@@ -46,7 +46,7 @@ class Answer:
         return answer
 
     @classmethod
-    def _of(cls, native: _native.Answer) -> Any:
+    def _of(cls, native: Native) -> Any:
         answer = cls.from_json(native.json)
         answer._native = native
         return answer

@@ -7,6 +7,8 @@ import os
 from collections.abc import Iterable, Mapping
 from typing import Any, Union
 
+import msgspec
+
 from . import _native, _words
 from ._words import Path, Span, option
 from .answers import Comparison, Diagnosed, Diagnoses, Diagnosis, Identification, Plan, Shown, Simulation
@@ -14,6 +16,10 @@ from .recording import Recording, read
 
 Source = Union[Path, Recording]
 Effects = Union[Iterable[str], Mapping[str, Mapping[str, float]]]
+
+
+class _Schema(msgspec.Struct):
+    schema: str
 
 
 def _at_hand(source: Source | Iterable[Source]) -> list[Recording] | None:
@@ -72,8 +78,9 @@ def diagnose(source: Source | Iterable[Source], *, model: Path | None = None, **
         return Diagnosis._of(_native.diagnose([one._native for one in recordings], _path(model)))
     words = _words.reading(model=model, **reading) + _words.files(_words.paths(source))
     answer = _native.diagnose_files(words)
-    by_axis = answer.json.startswith(b'{\n  "schema": "pitchid.diagnoses/1"')
-    return (Diagnoses if by_axis else Diagnosis)._of(answer)
+    # all axes may be asked by pitchid.toml too
+    schema = msgspec.json.decode(answer.json, type=_Schema).schema
+    return (Diagnoses if schema == "pitchid.diagnoses/1" else Diagnosis)._of(answer)
 
 
 def identify(source: Source | Iterable[Source], *, model: Path | None = None, **reading: Any) -> Identification:

@@ -53,7 +53,11 @@ class Cluster:
 
 def kill_a_worker(client, generator):
     """Kills a worker's process without a word; its nanny starts another."""
-    pids = list(client.run(os.getpid).values())
+    pids = []
+    while not pids:
+        # one that was killed before may not be back
+        pids = list(client.run(os.getpid, on_error="ignore").values())
+        time.sleep(0.05)
     pid = pids[generator.integers(len(pids))]
     os.kill(pid, signal.SIGKILL)
     return pid

@@ -6,6 +6,7 @@ import pickle
 import numpy as np
 import pytest
 from command import needs_command, run
+from small import small
 
 import pitchid
 
@@ -42,18 +43,17 @@ def test_all_other_answers_are_the_commands_too(friction, model):
 
 
 @needs_command
-def test_several_recordings_and_all_axes(flown, friction, tmp_path):
-    pitchid.simulate(effects={"coulomb_friction": {"Mc": 0.1}}, seed=9).recording.to_csv("second.csv")
-    both = run("diagnose", friction, "second.csv", "--json", "-")
-    assert pitchid.diagnose([friction, "second.csv"]).to_json() == both
-    assert pitchid.diagnose([pitchid.read(friction), pitchid.read("second.csv")]).to_json() == both
-    columns = flown.recording.to_numpy()
-    axes = {"t_s": columns["t_s"]}
-    for axis, rate in [("roll", "p_rad_s"), ("pitch", "q_rad_s")]:
-        axes |= {f"u_{axis}_norm": columns["u_rad"], rate: columns["q_rad_s"]}
-    with open("axes.csv", "w") as file:
-        file.write(",".join(axes) + "\n")
-        np.savetxt(file, np.stack(list(axes.values()), axis=1), delimiter=",", fmt="%.17g")
+def test_several_recordings_and_all_axes():
+    names = ["first.csv", "second.csv"]
+    for seed, name in enumerate(names):
+        small(name, seed)
+    both = run("diagnose", *names, "--json", "-")
+    assert pitchid.diagnose(names).to_json() == both
+    assert pitchid.diagnose([pitchid.read(name) for name in names]).to_json() == both
+    first, second = (pitchid.read(name).to_numpy() for name in names)
+    axes = {"t_s": first["t_s"], "u_roll_norm": first["u_rad"], "p_rad_s": first["q_rad_s"]}
+    axes |= {"u_pitch_norm": second["u_rad"], "q_rad_s": second["q_rad_s"]}
+    np.savetxt("axes.csv", np.stack(list(axes.values()), axis=1), delimiter=",", fmt="%.17g", header=",".join(axes), comments="")
     found = pitchid.diagnose("axes.csv", axis="all")
     assert isinstance(found, pitchid.Diagnoses) and [one.axis for one in found.axes] == ["roll", "pitch"]
     assert found.to_json() == run("diagnose", "axes.csv", "--axis", "all", "--json", "-")

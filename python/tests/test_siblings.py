@@ -77,6 +77,14 @@ def test_copies_count_once_and_paths_name_the_craft():
     assert fleet.estimates(of)[0]["when"].isoformat() == "2026-01-01T00:00:00"
 
 
+def test_numbers_read_well():
+    from pitchid.fleet.page import number, odds
+
+    told = [number(x) for x in (0.0, 23.24, -0.00954, 2.62e-5, 1234.5, float("nan"))]
+    assert told == ["0", "23.2", "−0.00954", "2.62e−5", "1234", "–"]
+    assert odds(1.0) == "is what chance gives" and odds(1 / 2600) == "comes by chance in one fleet of 2,600"
+
+
 def test_the_page_tells_who_differs(tmp_path):
     of = table(2, different={3: 9}, drifting=5, flights=8)
     bad = dict.fromkeys(fleet.SCHEMA.names) | {"path": "/logs/<b>.csv", "status": "failed", "error": "no log", "remedy": "look"}

@@ -1,7 +1,7 @@
 """A process that diagnoses one file after another, and can be killed: ``python -m pitchid.fleet.child``.
 
-Reads a JSON object a line, and answers with the hash of the file and its row, a line each; ends with its parent,
-whatever it is doing.
+Says that it is ready, reads a JSON object a line, and answers with the hash of the file and its row, a line each; ends with
+its parent, whatever it is doing.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ def main() -> None:
     def tell(what: dict[str, Any]) -> None:
         print(json.dumps(what), file=answers, flush=True)
 
+    tell({"ready": True})
     heard: queue.Queue[str] = queue.Queue()
     threading.Thread(target=_listen, args=(heard,), daemon=True).start()
     while True:

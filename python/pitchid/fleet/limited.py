@@ -14,6 +14,9 @@ from typing import Any
 
 from .rows import failed
 
+START_S = 300.0
+"""How long a process may take to start, s: on a machine that is busy otherwise."""
+
 _own = threading.local()
 
 
@@ -33,9 +36,11 @@ class Child:
         self.answers: queue.Queue[str | None] = queue.Queue()
         threading.Thread(target=self._listen, daemon=True).start()
         atexit.register(self.end)
+        # to start is none of a file's time
+        self.answers.get(timeout=START_S)
 
     def _listen(self) -> None:
-        for line in self.process.stdout:
+        for line in self.process.stdout or ():
             self.answers.put(line)
         self.answers.put(None)
 

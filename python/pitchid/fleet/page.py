@@ -24,7 +24,8 @@ def number(value: float) -> str:
     if value == 0 or not np.isfinite(value):
         return "0" if value == 0 else "–"
     magnitude = int(np.floor(np.log10(abs(value))))
-    text = f"{value:.{max(0, 2 - magnitude)}f}" if -4 <= magnitude < 5 else f"{value:.2e}"
+    small = -4 <= magnitude < 5
+    text = f"{value:.{max(0, 2 - magnitude)}f}" if small else f"{value / 10.0**magnitude:.2f}e{magnitude}"
     return text.replace("-", "−")
 
 
@@ -62,10 +63,9 @@ def _chart(parameter: Parameter) -> dict[str, str]:
 
 def _told(type_: Type) -> dict[str, Any]:
     """What the page says of a type."""
-    outliers = [
-        {"craft": craft, "parameter": parameter} for parameter in type_.parameters for craft in parameter.craft if craft.outlier
-    ]
-    outliers.sort(key=lambda one: one["craft"].p)
+    found = [(craft, parameter) for parameter in type_.parameters for craft in parameter.craft if craft.outlier]
+    found.sort(key=lambda one: one[0].p)
+    outliers = [{"craft": craft, "parameter": parameter} for craft, parameter in found]
     verdicts = ", ".join(f"{count} {verdict.replace('_', ' ')}" for verdict, count in sorted(type_.verdicts.items()))
     drawn = [one for one in type_.parameters if len(one.craft) >= LEAST_CRAFT]
     drawn.sort(key=lambda one: min(craft.p for craft in one.craft))

@@ -38,7 +38,7 @@ EFFECT = pa.struct(
 )
 
 SCHEMA = pa.schema(
-    [
+    [  # type: ignore[arg-type]
         ("path", pa.string()),
         ("sha256", pa.string()),
         ("bytes", pa.int64()),
@@ -106,7 +106,7 @@ def of_file(path: str, arguments: str, known: str | None, hashed_as: Callable[[s
     try:
         model = options.pop("model", None)
         recording = read(path, vehicle_file=False, **options)
-        found = diagnose(recording, model=model)
+        found: Diagnosis = diagnose(recording, model=model)  # type: ignore[assignment]
     except PitchidError as error:
         where = {"line": error.line, "column": error.column, "took_s": time.perf_counter() - begun}
         return failed(path, arguments, error.message, error.remedy, **of_input, **where)

@@ -65,8 +65,10 @@ class Run:
 
         def known(path: str) -> str | None:
             row = table.rows.get(path)
-            same = row and row["arguments"] == arguments and row["version"] == __version__
-            return row["sha256"] if same and not (retry and row["status"] == "failed") else None
+            if row is None or (retry and row["status"] == "failed"):
+                return None
+            same = row["arguments"] == arguments and row["version"] == __version__
+            return row["sha256"] if same else None
 
         jobs = ((path, arguments, known(path), self._engine["limit_s"]) for path in paths)
         try:
@@ -102,7 +104,7 @@ def _client(client: distributed.Client | str | None, workers: int | None) -> Ite
     elif client:
         try:
             own = distributed.Client(client, timeout="20s", set_as_default=False)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, distributed.TimeoutError) as error:
             told = f"no scheduler answers at {client}: {error}"
             raise PitchidError(told, "start one with dask scheduler, and name its address, tcp://HOST:PORT") from None
         with own:
@@ -161,9 +163,7 @@ def spread(client, work, jobs: Iterable[tuple[Any, ...]], key) -> Iterator[tuple
         try:
             with client.as_current():
                 ended = distributed.wait(list(flying), timeout=1, return_when="FIRST_COMPLETED").done
-        except (TimeoutError, distributed.TimeoutError):
-            ended = set()
-        except distributed.CancelledError:
+        except (distributed.CancelledError, distributed.TimeoutError):
             ended = set()
         if client.status == "running":
             heard = time.monotonic()
@@ -171,23 +171,32 @@ def spread(client, work, jobs: Iterable[tuple[Any, ...]], key) -> Iterator[tuple
             told = f"the scheduler was lost with {len(flying)} files under way"
             raise PitchidError(told, "what is done is in the table; run it again to go on")
         for future in ended:
-            if client.status != "running":
-                break
             job, again = flying.pop(future)
-            lost = future.status in ("cancelled", "lost")
-            result = None if lost else future.result() if future.status == "finished" else future.exception()
+            lost, result = _result(future)
             future.release()
-            if (lost or isinstance(result, distributed.KilledWorker)) and again < AGAIN:
+            if lost and client.status != "running":
+                flying[future] = (job, again)
+            elif (lost or isinstance(result, distributed.KilledWorker)) and again < AGAIN:
                 give(job, again + 1)
             else:
                 yield key(job), result
+
+
+def _result(future: distributed.Future) -> tuple[bool, Any]:
+    """Whether a future was lost on its way, and its result or exception."""
+    if future.status in ("cancelled", "lost"):
+        return True, None
+    try:
+        return False, future.result(timeout=LOST_S) if future.status == "finished" else future.exception()
+    except (distributed.CancelledError, distributed.TimeoutError, OSError):
+        return True, None
 
 
 def paths_of(of: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:
     """The files that paths and patterns (``**`` for any folders) name, each once, with their whole paths."""
     all_ = [of] if isinstance(of, (str, os.PathLike)) else list(of)
     found: dict[str, None] = {}
-    for one in map(os.fspath, all_):
+    for one in [os.fspath(path) for path in all_]:
         matched = sorted(glob.glob(one, recursive=True)) if glob.has_magic(one) and not os.path.exists(one) else [one]
         found |= {os.path.abspath(path): None for path in matched if not os.path.isdir(path)}
     return list(found)
@@ -196,7 +205,7 @@ def paths_of(of: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> l
 def _arguments(options: dict[str, Any]) -> str:
     """The options of a diagnosis as text, with the hash of the model's file."""
     options = {name: value for name, value in options.items() if value is not None}
-    named = {"options": options}
+    named: dict[str, Any] = {"options": options}
     if "model" in options:
         options["model"] = os.path.abspath(options["model"])
         named["model_sha256"] = digest(options["model"])

@@ -113,11 +113,16 @@ def _named(path: str, craft: str | None) -> tuple[str, str, str | None]:
     return groups.get("type") or "-", groups.get("craft") or "-", groups.get("when")
 
 
+def _moment(of: list[int]) -> datetime:
+    year, month, day, hour, minute, second = of
+    return datetime(year, month, day, hour, minute, second)
+
+
 def _time(path: str, when: str | None) -> datetime | None:
     text = when if when is not None else path.replace("\\", "/").rsplit("/", 1)[-1]
     found = DATE.search(text)
     try:
-        return datetime(*(int(part) for part in found.groups(default="0"))) if found else None
+        return _moment([int(part) for part in found.groups(default="0")]) if found else None
     except ValueError:
         return None
 
@@ -153,8 +158,9 @@ def estimates(table: pa.Table, craft: str | None = None) -> list[dict[str, Any]]
 def _scatter(values: np.ndarray, errors: np.ndarray, times: np.ndarray | None = None) -> tuple[float, float]:
     """Scatter about the mean, or about a line over ``times``, beyond the errors; and what a variance of one would add to it."""
     w = 1 / errors**2
-    line = times is not None and len(times) >= LEAST_FLIGHTS and np.ptp(times) > 0
-    x = np.stack([np.ones_like(values), times - times.mean()] if line else [np.ones_like(values)])
+    x = np.ones((1, len(values)))
+    if times is not None and len(times) >= LEAST_FLIGHTS and np.ptp(times) > 0:
+        x = np.stack([x[0], times - times.mean()])
     inverse = np.linalg.inv(x * w @ x.T)
     rest = values - inverse @ (x @ (w * values)) @ x
     return float(np.sum(w * rest**2) - (len(values) - len(x))), float(np.sum(w) - np.trace(inverse @ (x * w**2 @ x.T)))
@@ -193,7 +199,8 @@ def _craft(flights: list[Flight], tests: int) -> tuple[list[Craft], float]:
         found.append(Craft(name, len(y), float(np.sum(w * y) / np.sum(w)), float(np.sum(w) ** -0.5), 0.0, 1.0))
     if len(found) < LEAST_CRAFT:
         return found, omega2
-    left, aside, last = list(found), [], 0
+    left, last = list(found), 0
+    aside: list[Craft] = []
     # Rosner's approximation is a little free with fewer than 25: each step counts as a further test
     steps = max(1, int(MOST_OUTLIERS * len(found)))
     while len(aside) < steps and len(left) >= LEAST_CRAFT:
@@ -267,7 +274,7 @@ def siblings(table: pa.Table, craft: str | None = None) -> list[Type]:
 def _type(kind: str, names: list[str], verdicts: dict[str, int], rows: list[dict[str, Any]]) -> Type:
     dated = all(row["when"] is not None for row in rows)
     per = "day" if dated else "flight"
-    order = {}
+    order: dict[str, float] = {}
     for name in names:
         paths = sorted({row["path"] for row in rows if row["craft"] == name})
         order |= {path: float(k) for k, path in enumerate(paths)}
