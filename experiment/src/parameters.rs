@@ -33,7 +33,9 @@ pub fn parse(text: &str) -> Result<Vec<(String, f32)>, Error> {
             (None, ..) => continue,
             (Some(name), Some(value), None) => (name, value),
             _ => {
-                return Err(wrong(format!("found {}", quote(content.trim()))).expecting("a name and a number"));
+                return Err(
+                    wrong(format!("found {}", quote(content.trim()))).expecting("a name and a number")
+                );
             }
         };
         if name.len() > LONGEST {

@@ -1,12 +1,14 @@
 //! `cargo xtask image | chip-test | flash`: the flight image, built, tested in the emulator, put on a board.
 //! `cargo xtask book | book-check`: the book's pages of the effects, and the book built and held to what it says.
 //! `cargo xtask browser`: the pages of the program in a real browser.
+//! `cargo xtask fuzz`: arbitrary bytes into every reader, the board's link and the diagnosis.
 //! `cargo xtask messages`: the code of the messages from their definitions.
 
 mod book;
 mod browser;
 mod budget;
 mod chip_test;
+mod fuzz;
 mod image;
 mod messages;
 mod no_panic;
@@ -22,6 +24,7 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   flash       build the flight image and put it on a board (probe-rs)
   book        write the book's pages of the effects: simulates and diagnoses each
   book-check  build the book (mdbook), follow its links, run its commands
+  fuzz        arbitrary bytes into every target of fuzz/ [--seconds N for all together] [--seed N] [TARGET...]
   messages    write the code of the board's messages from their definitions (mavlink-bindgen)
   browser     look at the pages of the program in Chromium";
 
@@ -34,6 +37,7 @@ fn main() -> ExitCode {
         Some("flash") => flash(),
         Some("book") => book::pages(),
         Some("book-check") => book::check(),
+        Some("fuzz") => fuzz::run(std::env::args().skip(2)),
         Some("messages") => messages::write(),
         Some("browser") => browser::check(),
         _ => Err(USAGE.to_owned()),

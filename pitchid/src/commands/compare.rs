@@ -103,6 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     input::once([arguments.before.as_path(), arguments.after.as_path()])?;
     refuse_itself(arguments)?;
     let options = options_with(input, &columns);
+    input::say_what_is_large(inputs.iter().copied());
     let progress = Progress::start("reading");
     let sides =
         [side(arguments, &columns, &arguments.before, 0)?, side(arguments, &columns, &arguments.after, 1)?];

@@ -1,6 +1,6 @@
 //! `pitchid diagnose`: what the model leaves out.
 
-use super::reading::{ByAxis, Reading};
+use super::reading::{ByAxis, Reading, long};
 use crate::export::{self, Language};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -91,9 +91,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.pictures {
         output::folder(folder)?;
     }
-    let recordings = reading.recordings()?;
     let model = reading.model()?;
+    reading.say_what_is_large();
     let progress = Progress::start("reading");
+    let recordings = reading.recordings()?;
+    progress.note(long(&recordings).as_deref());
     let mut found = diagnose(&recordings, model.as_ref().map(|(_, m)| m), &|step| progress.say(step))?;
     drop(progress);
     let axis = reading.axis().to_string();
@@ -118,6 +120,7 @@ fn all_axes(arguments: &Arguments, reading: &Reading) -> Result<(), Failure> {
             "choose --axis roll, pitch or yaw for them",
         ));
     }
+    reading.say_what_is_large();
     let progress = Progress::start("reading");
     let ByAxis { read, refused } = reading.recordings_by_axis()?;
     if read.is_empty()

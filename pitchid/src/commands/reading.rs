@@ -146,6 +146,11 @@ impl Reading {
         Ok(all)
     }
 
+    /// Says which of the recordings are large, before they are read.
+    pub fn say_what_is_large(&self) {
+        input::say_what_is_large(self.recordings.iter().map(PathBuf::as_path));
+    }
+
     fn sources(&self) -> Result<Vec<Readable>, Failure> {
         let of = |source| Readable::new(source, self.flight, self.time.as_ref());
         open(&self.recordings, &self.columns)?.into_iter().map(of).collect()
@@ -188,6 +193,19 @@ impl Reading {
         let vehicle = self.vehicle.as_ref().map(|vehicle| &vehicle.path);
         self.recordings.iter().chain(&self.model).chain(vehicle).map(PathBuf::as_path).collect()
     }
+}
+
+/// Samples that are told before the work on them begins.
+const MANY: usize = 100_000;
+
+/// What is said of recordings that are long.
+pub fn long(recordings: &[Recording]) -> Option<String> {
+    let samples: usize = recordings.iter().map(|recording| recording.t.len()).sum();
+    let minutes =
+        recordings.iter().map(|recording| recording.t.len() as f64 * recording.step).sum::<f64>() / 60.0;
+    let told =
+        || format!("{samples} samples over {minutes:.0} min take a while; --time FROM..TO takes a part");
+    (samples >= MANY).then(told)
 }
 
 /// Reads the model of an axis in a model file.

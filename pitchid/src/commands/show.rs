@@ -7,7 +7,8 @@ mod words;
 use crate::axes::Readable;
 use crate::failure::Failure;
 use crate::logs::{AxisName, Source, TimeSpan, choose, open};
-use crate::output;
+use crate::progress::Progress;
+use crate::{input, output};
 use clap::Args;
 use content::{Shown, of_flight, of_recording};
 use flight_logs::axes::Axis;
@@ -93,6 +94,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let outputs = [&arguments.json, &arguments.report, &arguments.plot];
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
     let axes: Vec<Axis> = arguments.axis.map_or(Axis::ALL.to_vec(), |axis| vec![axis.into()]);
+    input::say_what_is_large(inputs.iter().copied());
+    let progress = Progress::start("reading");
     let mut shown = Vec::new();
     for source in open(&arguments.logs, &[])? {
         match source {
@@ -112,6 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         }
     }
+    drop(progress);
     output::print(&words::text(&shown))?;
     if let Some(path) = &arguments.json {
         output::write(path, &output::json(&shown)?)?;

@@ -15,6 +15,7 @@ mod columns;
 mod cut;
 mod export;
 mod expression;
+mod matlab;
 mod missing;
 mod options;
 pub(crate) mod rate_and_angle;
