@@ -52,8 +52,9 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// No leave, no such folder, a system that takes no files.
 pub fn probe(path: &Path) -> io::Result<()> {
     let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    // a pipe that is opened and closed is one that has ended
     if fs::metadata(&place).is_ok_and(|present| !present.is_file()) {
-        return fs::OpenOptions::new().write(true).open(&place).map(drop);
+        return Ok(());
     }
     let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     tempfile::Builder::new().prefix(".pitchid-").tempfile_in(folder).map(drop)

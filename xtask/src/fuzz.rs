@@ -15,6 +15,8 @@ const FLAGS: &str = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer
 /// Longest time that one input may take, s, and most memory that it may, MB; in one piece as much as a page of a Parquet table may
 /// claim, of which no more is touched than is there.
 const LIMITS: [&str; 3] = ["-timeout=10", "-rss_limit_mb=1024", "-malloc_limit_mb=2200"];
+/// Targets that run only where they are named: the `parquet` crate panics at some damaged pages (docs/trust.md).
+const BY_NAME: [&str; 1] = ["table"];
 /// Seconds for all targets together.
 const USUAL_S: u64 = 70;
 
@@ -50,8 +52,11 @@ pub fn run(arguments: impl Iterator<Item = String>) -> Outcome {
     if let Some(unknown) = wish.targets.iter().find(|name| !all.contains(name)) {
         return Err(format!("no target {unknown}; there are {}", all.join(", ")));
     }
-    let wanted: Vec<&String> =
-        all.iter().filter(|name| wish.targets.is_empty() || wish.targets.contains(name)).collect();
+    let usual = wish.targets.is_empty();
+    let wanted: Vec<&String> = all
+        .iter()
+        .filter(|name| wish.targets.contains(name) || usual && !BY_NAME.contains(&name.as_str()))
+        .collect();
     let begun = Instant::now();
     let built = build()?;
     println!("built in {:.0} s", begun.elapsed().as_secs_f64());
