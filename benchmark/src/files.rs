@@ -46,6 +46,20 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
+/// Whether [`write_whole`] would find a place for this file: asked before the work whose answer it is to take.
+///
+/// # Errors
+/// No leave, no such folder, a system that takes no files.
+pub fn probe(path: &Path) -> io::Result<()> {
+    let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    // a pipe that is opened and closed is one that has ended
+    if fs::metadata(&place).is_ok_and(|present| !present.is_file()) {
+        return Ok(());
+    }
+    let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    tempfile::Builder::new().prefix(".pitchid-").tempfile_in(folder).map(drop)
+}
+
 /// JSON text, indented.
 pub fn json(value: &impl Serialize) -> Result<String, Error> {
     let text = serde_json::to_string_pretty(value);
@@ -54,7 +68,8 @@ pub fn json(value: &impl Serialize) -> Result<String, Error> {
 
 /// Reads a file of a case.
 pub fn read(path: &Path) -> Result<String, Error> {
-    fs::read_to_string(path).map_err(|e| unreadable(path, &e.to_string()))
+    let help = "remove the case's folder and prove again with --resume";
+    Ok(sysid::files::read_text(path, help)?)
 }
 
 /// Reads a JSON file of a case.

@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::logs::quoted;
+use crate::output;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -37,6 +38,19 @@ pub fn open(path: &Path) -> Result<Box<dyn Read>, Failure> {
         false => File::open(path),
     };
     Ok(Box::new(file.map_err(|error| Error::from_io(&name_of(path), &error))?))
+}
+
+/// Size of a file that is told before it is read, bytes.
+const LARGE: u64 = 8 << 20;
+
+/// Says on standard error which of the files are large; not with `--quiet`.
+pub fn say_what_is_large<'a>(paths: impl IntoIterator<Item = &'a Path>) {
+    for path in paths.into_iter().filter(|_| !output::is_quiet()) {
+        let size = path.metadata().map_or(0, |found| if found.is_file() { found.len() } else { 0 });
+        if size >= LARGE {
+            eprintln!("{}: {} MB to read", path.display(), size / 1_000_000);
+        }
+    }
 }
 
 /// Refuses standard input as more than one of the inputs: it can be read only once.

@@ -1,7 +1,7 @@
 //! Where answers go: standard output, and files that overwrite no input.
 
 use crate::failure::Failure;
-use benchmark::files::write_whole;
+use benchmark::files::{probe, write_whole};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -75,7 +75,8 @@ pub fn json(answer: &impl serde::Serialize) -> Result<String, Failure> {
         .map_err(|e| Failure::new(format!("the JSON could not be made: {e}"), "leave out --json"))
 }
 
-/// Refuses, before any work is done, an output that is a folder, lies in no folder, or would overwrite an input or another output.
+/// Refuses, before any work is done, an output that is a folder, lies in no folder or where nothing can be written, or would overwrite
+/// an input or another output.
 /// One that is standard output has it to itself from now on.
 pub fn check<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &[&Path]) -> Result<(), Failure> {
     let outputs: Vec<&Path> = outputs.into_iter().collect();
@@ -101,12 +102,29 @@ pub fn check<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &[&Path]) 
         };
         let place =
             output.canonicalize().unwrap_or_else(|_| folder.join(output.file_name().unwrap_or_default()));
-        if let Some((_, what)) = taken.iter().find(|(other, _)| *other == place) {
+        let same = |(other, _): &&(PathBuf, &str)| *other == place || is_same_file(other, &place);
+        if let Some((_, what)) = taken.iter().find(same) {
             return Err(Failure::new(format!("{name}: would overwrite {what}"), "name another file"));
         }
+        probe(&place).map_err(|error| Failure::unwritable(&name.to_string(), &error))?;
         taken.push((place, "another output"));
     }
     Ok(())
+}
+
+/// Whether two names stand for one file: hard links.
+#[cfg(unix)]
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let identity = |path: &Path| {
+        path.metadata().ok().filter(std::fs::Metadata::is_file).map(|found| (found.dev(), found.ino()))
+    };
+    identity(one).is_some_and(|own| identity(other) == Some(own))
+}
+
+#[cfg(not(unix))]
+fn is_same_file(_one: &Path, _other: &Path) -> bool {
+    false
 }
 
 #[cfg(test)]

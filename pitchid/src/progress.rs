@@ -46,6 +46,13 @@ impl Progress {
         }
     }
 
+    /// A line above it, where there is something to say; not with `--quiet`.
+    pub fn note(&self, text: Option<&str>) {
+        if let Some(text) = text.filter(|_| !output::is_quiet()) {
+            self.0.suspend(|| eprintln!("{text}"));
+        }
+    }
+
     fn draw_as(&self, template: &str) {
         if let Ok(style) = ProgressStyle::with_template(template) {
             self.0.set_style(style);

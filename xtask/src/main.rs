@@ -1,6 +1,7 @@
 //! `cargo xtask image | chip-test | flash`: the flight image, built, tested in the emulator, put on a board.
 //! `cargo xtask book | book-check`: the book's pages of the effects, and the book built and held to what it says.
 //! `cargo xtask browser`: the pages of the program in a real browser.
+//! `cargo xtask fuzz`: arbitrary bytes into every reader, the board's link and the diagnosis.
 //! `cargo xtask messages`: the code of the messages from their definitions.
 //! `cargo xtask wheel`: the package for Python as a wheel.
 
@@ -8,6 +9,7 @@ mod book;
 mod browser;
 mod budget;
 mod chip_test;
+mod fuzz;
 mod image;
 mod messages;
 mod no_panic;
@@ -24,6 +26,7 @@ const USAGE: &str = "usage: cargo xtask COMMAND
   flash       build the flight image and put it on a board (probe-rs)
   book        write the book's pages of the effects: simulates and diagnoses each
   book-check  build the book (mdbook), follow its links, run its commands
+  fuzz        arbitrary bytes into every target of fuzz/ [--seconds N for all together] [--seed N] [TARGET...]
   messages    write the code of the board's messages from their definitions (mavlink-bindgen)
   wheel       build the package for Python as a wheel (maturin, installed beside it)
   browser     look at the pages of the program in Chromium";
@@ -37,6 +40,7 @@ fn main() -> ExitCode {
         Some("flash") => flash(),
         Some("book") => book::pages(),
         Some("book-check") => book::check(),
+        Some("fuzz") => fuzz::run(std::env::args().skip(2)),
         Some("messages") => messages::write(),
         Some("wheel") => wheel::build(),
         Some("browser") => browser::check(),

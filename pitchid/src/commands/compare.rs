@@ -95,6 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     inputs.extend(arguments.model(vehicle));
     let outputs = [&arguments.json, &arguments.plot];
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
+    input::say_what_is_large(inputs.iter().copied());
     let progress = Progress::start("reading");
     let answers = compared(arguments, vehicle, &|step| progress.say(step))?;
     drop(progress);

@@ -5,8 +5,9 @@ use crate::commands::reading::options_with;
 use crate::commands::show::content::of_recording;
 use crate::failure::Failure;
 use crate::logs::{TimeSpan, open};
-use crate::output;
+use crate::progress::Progress;
 use crate::vehicle::Wanted;
+use crate::{input, output};
 use clap::Args;
 use std::path::PathBuf;
 use sysid::error::Error;
@@ -85,10 +86,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let axis = choice.map(AxisChoice::single).transpose()?;
     let options = options_with(InputHold::default(), &columns);
     let mut bytes = Vec::new();
+    input::say_what_is_large([recording.as_path()]);
+    let progress = Progress::start("reading");
     // there is one for the one file
     let source = open(std::slice::from_ref(recording), &columns)?.swap_remove(0);
     let found = Readable::new(source, *flight, time.as_ref())?.recording(axis, &options)?;
+    progress.say("writing the table".into());
     write(&found, &mut bytes)?;
+    drop(progress);
     output::write_bytes(table, &bytes)?;
     output::print(&format!("table: {}\n", table.display()))?;
     let Some(path) = json else { return Ok(()) };

@@ -1,6 +1,6 @@
 //! `pitchid diagnose`: what the model leaves out.
 
-use super::reading::{Asked, ByAxis, Reading};
+use super::reading::{Asked, ByAxis, Reading, long};
 use crate::export::{self, Language};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -92,8 +92,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.pictures {
         output::folder(folder)?;
     }
-    let asked = reading.asked()?;
+    reading.say_what_is_large();
     let progress = Progress::start("reading");
+    let asked = reading.asked()?;
+    progress.note(long(&asked.recordings).as_deref());
     let diagnosed = Diagnosed::new(asked, &|step| progress.say(step))?;
     drop(progress);
     output::print(&text::diagnosis(&diagnosed.content))?;
@@ -141,6 +143,7 @@ fn all_axes(arguments: &Arguments, reading: &Reading) -> Result<(), Failure> {
             "choose --axis roll, pitch or yaw for them",
         ));
     }
+    reading.say_what_is_large();
     let progress = Progress::start("reading");
     let found = by_axis(reading, &|step| progress.say(step))?;
     drop(progress);

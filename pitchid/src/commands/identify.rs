@@ -1,6 +1,6 @@
 //! `pitchid identify`: the pitch dynamics, by every method side by side.
 
-use super::reading::Reading;
+use super::reading::{Reading, long};
 use crate::board::taps::TapsFile;
 use crate::export::{self, Language};
 use crate::failure::Failure;
@@ -83,11 +83,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     inputs.extend(arguments.taps.as_deref());
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
     let language = arguments.export.as_deref().map(Language::of).transpose()?;
-    let recordings = reading.recordings()?;
     let model = reading.model()?;
     let on_board = arguments.taps.as_deref().map(TapsFile::read).transpose()?.map(|file| file.on_board());
     let settings = Settings { on_board, ..Settings::default() };
+    reading.say_what_is_large();
     let progress = Progress::start("reading");
+    let recordings = reading.recordings()?;
+    progress.note(long(&recordings).as_deref());
     let model = model.as_ref().map(|(_, m)| m);
     let found = identify_with(&recordings, model, &settings, &|step| progress.say(step))?;
     drop(progress);

@@ -1,8 +1,9 @@
 //! `pitchid monitor`: whether the craft still is what was identified.
 
-use super::reading::Reading;
+use super::reading::{Reading, long};
 use crate::failure::Failure;
 use crate::format::fixed;
+use crate::progress::Progress;
 use crate::{output, text};
 use chart::{Axis, Chart, Panel, Series, Shape, Tone};
 use clap::Args;
@@ -71,7 +72,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Failure::new(error.to_string(), "choose a --run-length within it")
     };
     let monitor = config.build(&model).map_err(refuse)?;
-    let data = Dataset::at_step(&reading.recordings()?, step)?;
+    reading.say_what_is_large();
+    let progress = Progress::start("reading");
+    let recordings = reading.recordings()?;
+    progress.note(long(&recordings).as_deref());
+    let data = Dataset::at_step(&recordings, step)?;
     if let Some(run) = data.runs.iter().find(|run| (run.step / step - 1.0).abs() > 0.02) {
         return Err(Failure::new(
             format!(
@@ -81,7 +86,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "identify the monitor from a recording of the same rate",
         ));
     }
+    progress.say("following the recording".into());
     let runs = replay(&monitor, &data);
+    drop(progress);
     let events: Vec<Vec<Event>> = runs.iter().map(|rows| events(rows)).collect();
     output::print(&told(&runs, &events))?;
     if let Some(path) = &arguments.plot {

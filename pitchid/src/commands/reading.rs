@@ -130,7 +130,9 @@ impl Reading {
 
     /// The recordings of one axis, and what is said of them.
     pub fn asked(&self) -> Result<Asked, Failure> {
-        let (recordings, model) = (self.recordings()?.into(), self.model()?);
+        // a mistake in the model is told before the recordings are read
+        let model = self.model()?;
+        let recordings = self.recordings()?.into();
         Ok(Asked { recordings, names: self.names(), axis: self.axis(), model })
     }
 
@@ -163,6 +165,11 @@ impl Reading {
             return Err(Failure::new(what, help));
         }
         Ok(all)
+    }
+
+    /// Says which of the recordings are large, before they are read.
+    pub fn say_what_is_large(&self) {
+        input::say_what_is_large(self.recordings.iter().map(PathBuf::as_path));
     }
 
     fn sources(&self) -> Result<Vec<Readable>, Failure> {
@@ -207,6 +214,19 @@ impl Reading {
         let vehicle = self.vehicle.as_ref().map(|vehicle| &vehicle.path);
         self.recordings.iter().chain(&self.model).chain(vehicle).map(PathBuf::as_path).collect()
     }
+}
+
+/// Samples that are told before the work on them begins.
+const MANY: usize = 100_000;
+
+/// What is said of recordings that are long.
+pub fn long(recordings: &[Recording]) -> Option<String> {
+    let samples: usize = recordings.iter().map(|recording| recording.t.len()).sum();
+    let minutes =
+        recordings.iter().map(|recording| recording.t.len() as f64 * recording.step).sum::<f64>() / 60.0;
+    let told =
+        || format!("{samples} samples over {minutes:.0} min take a while; --time FROM..TO takes a part");
+    (samples >= MANY).then(told)
 }
 
 /// Reads the model of an axis in a model file.

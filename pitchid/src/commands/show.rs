@@ -7,7 +7,8 @@ pub mod words;
 use crate::axes::Readable;
 use crate::failure::Failure;
 use crate::logs::{AxisName, Source, TimeSpan, choose, open};
-use crate::output;
+use crate::progress::Progress;
+use crate::{input, output};
 use clap::Args;
 use content::{Shown, of_flight, of_recording};
 use flight_logs::axes::Axis;
@@ -92,7 +93,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs: Vec<&Path> = arguments.logs.iter().map(PathBuf::as_path).collect();
     let outputs = [&arguments.json, &arguments.report, &arguments.plot];
     output::check(outputs.into_iter().flatten().map(PathBuf::as_path), &inputs)?;
+    input::say_what_is_large(inputs.iter().copied());
+    let progress = Progress::start("reading");
     let shown = shown(arguments)?;
+    drop(progress);
     output::print(&words::text(&shown))?;
     if let Some(path) = &arguments.json {
         output::write(path, &output::json(&shown)?)?;

@@ -137,10 +137,9 @@ impl Chord {
         let mut z = search.inner(start);
         let mut at = search.evaluate(&z)?;
         let mut drop = 0.0;
-        let mut jacobian = self.jacobian.clone();
         for _ in 0..steps {
-            jacobian.truncate(known);
-            jacobian.extend((known..z.len()).map(|i| search.column(&z, &at, i)));
+            let own: Vec<Vec<Output>> = (known..z.len()).map(|i| search.column(&z, &at, i)).collect();
+            let jacobian: Vec<&[Output]> = self.jacobian.iter().chain(&own).map(Vec::as_slice).collect();
             let (hessian, gradient) = search.normal_equations(&z, &at, &jacobian);
             let free = search.free(&z, &gradient);
             let lower = DAMPINGS.iter().find_map(|&damping| {

@@ -86,7 +86,7 @@ pub fn minimize(
     let mut current = search.evaluate(&z)?;
     let mut damping = 1e-3;
     let mut converged = false;
-    let mut jacobian = search.jacobian(&z, &current);
+    let mut jacobian = search.slopes(&z, &current);
     let mut updated = false;
     for _ in 0..effort.iterations {
         let (hessian, gradient) = search.normal_equations(&z, &current, &jacobian);
@@ -107,7 +107,7 @@ pub fn minimize(
         }
         let Some((candidate, next)) = improved else {
             if updated {
-                jacobian = search.jacobian(&z, &current);
+                jacobian = search.slopes(&z, &current);
                 updated = false;
                 continue;
             }
@@ -124,7 +124,7 @@ pub fn minimize(
         }
         if settled || drop < TRUSTED * -predicted {
             (z, current, updated) = (candidate, next, false);
-            jacobian = search.jacobian(&z, &current);
+            jacobian = search.slopes(&z, &current);
         } else {
             broyden(&mut jacobian, &hessian, &step, &current.residuals, &next.residuals);
             (z, current, updated) = (candidate, next, true);
@@ -257,6 +257,13 @@ impl Search<'_> {
         (0..z.len()).into_par_iter().map(|i| self.column(z, at, i)).collect()
     }
 
+    /// The same, nothing for what is held: a long recording has a column of megabytes for each.
+    fn slopes(&self, z: &DVector<f64>, at: &Evaluation) -> Vec<Vec<Output>> {
+        let held = |i: usize| self.coordinates[i].bounds[0] == self.coordinates[i].bounds[1];
+        let column = |i| if held(i) { Vec::new() } else { self.column(z, at, i) };
+        (0..z.len()).into_par_iter().map(column).collect()
+    }
+
     /// d e / d z_i by a forward difference, stepping away from a bound that is near; zero for a coordinate that is
     /// held by equal bounds.
     pub(super) fn column(&self, z: &DVector<f64>, at: &Evaluation, i: usize) -> Vec<Output> {
@@ -284,7 +291,7 @@ impl Search<'_> {
         &self,
         z: &DVector<f64>,
         at: &Evaluation,
-        j: &[Vec<Output>],
+        j: &[impl AsRef<[Output]>],
     ) -> (DMatrix<f64>, DVector<f64>) {
         let n = j.len();
         let weighted = |e: &Output| weigh(&at.weight, e);
@@ -292,10 +299,10 @@ impl Search<'_> {
         let mut gradient = DVector::zeros(n);
         let we: Vec<Output> = at.residuals.iter().map(weighted).collect();
         for a in 0..n {
-            gradient[a] = dot(&j[a], &we);
-            let wj: Vec<Output> = j[a].iter().map(weighted).collect();
+            gradient[a] = dot(j[a].as_ref(), &we);
+            let wj: Vec<Output> = j[a].as_ref().iter().map(weighted).collect();
             for b in a..n {
-                hessian[(a, b)] = dot(&wj, &j[b]);
+                hessian[(a, b)] = dot(&wj, j[b].as_ref());
                 hessian[(b, a)] = hessian[(a, b)];
             }
         }

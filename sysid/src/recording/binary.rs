@@ -1,13 +1,13 @@
 //! Recordings that other programs keep in binary tables: Parquet (pandas, polars) and MATLAB files, read as the CSV file with the
 //! same columns, and Parquet written.
 
-use std::io::{Cursor, Write};
+use std::io::Write;
 use std::sync::Arc;
 
-use matfile::{Array, MatFile, NumericData};
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, RowGroupMetaData};
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
@@ -16,6 +16,7 @@ use parquet::schema::types::Type;
 
 use super::Recording;
 use crate::error::{Error, ErrorKind};
+use crate::files::LARGEST_RECORDING;
 
 /// The file's content as CSV: what is no binary table is left as it is.
 pub(super) fn as_csv(bytes: Vec<u8>) -> Result<Vec<u8>, Error> {
@@ -30,7 +31,9 @@ pub(super) fn as_csv(bytes: Vec<u8>) -> Result<Vec<u8>, Error> {
 }
 
 fn of_parquet(bytes: Vec<u8>) -> Result<Vec<u8>, ParquetError> {
+    let length = bytes.len() as i64;
     let reader = SerializedFileReader::new(bytes::Bytes::from(bytes))?;
+    check_places(reader.metadata(), length)?;
     let names: Vec<String> =
         reader.metadata().file_metadata().schema().get_fields().iter().map(|f| f.name().to_owned()).collect();
     let mut csv = csv::Writer::from_writer(Vec::new());
@@ -39,8 +42,35 @@ fn of_parquet(bytes: Vec<u8>) -> Result<Vec<u8>, ParquetError> {
     for row in reader.get_row_iter(None)? {
         let row = row?;
         csv.write_record(row.get_column_iter().map(|(_, field)| cell(field))).map_err(failed)?;
+        // a few bytes can stand for any number of rows
+        if csv.get_ref().len() as u64 > LARGEST_RECORDING {
+            return Err(ParquetError::General(format!("more than {} MiB as text", LARGEST_RECORDING >> 20)));
+        }
     }
     csv.into_inner().map_err(|error| ParquetError::General(error.to_string()))
+}
+
+/// Refuses columns of columns, and places that are not in a file of so many bytes: the reader panics at some of them.
+fn check_places(metadata: &ParquetMetaData, length: i64) -> Result<(), ParquetError> {
+    let flat = |field: &Arc<Type>| {
+        field.is_primitive() && field.get_basic_info().repetition() != Repetition::REPEATED
+    };
+    if !metadata.file_metadata().schema().get_fields().iter().all(flat) {
+        return Err(ParquetError::General("a column that holds others".into()));
+    }
+    let within = |column: &ColumnChunkMetaData| {
+        let start = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
+        let sizes = [start, column.data_page_offset(), column.compressed_size()];
+        sizes.into_iter().all(|size| (0..=length).contains(&size))
+            && start + column.compressed_size() <= length
+            && column.uncompressed_size() >= 0
+            && column.num_values() >= 0
+    };
+    let sound = |group: &RowGroupMetaData| group.num_rows() >= 0 && group.columns().iter().all(within);
+    match metadata.row_groups().iter().all(sound) {
+        true => Ok(()),
+        false => Err(ParquetError::General("a column that lies outside the file".into())),
+    }
 }
 
 /// What stands in a cell; nothing for a null, seconds for a time.
@@ -69,12 +99,7 @@ fn cell(field: &Field) -> String {
 /// The numeric vectors that are as long as the longest.
 fn of_matlab(bytes: &[u8]) -> Result<Vec<u8>, Error> {
     let refuse = |found: String, advice: &'static str| Error::new(ErrorKind::Format, found, advice);
-    let file = MatFile::parse(Cursor::new(bytes)).map_err(|error| {
-        refuse(format!("a MATLAB file that cannot be read: {error}"), "in MATLAB save(FILE, '-v7') again")
-    })?;
-    let is_vector = |array: &&Array| array.ndims() == 2 && array.size().contains(&1);
-    let vectors: Vec<(&str, Vec<f64>)> =
-        file.arrays().iter().filter(is_vector).map(|array| (array.name(), numbers(array.data()))).collect();
+    let vectors = super::matlab::vectors(bytes)?;
     let rows = vectors.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
     let columns: Vec<_> = vectors.into_iter().filter(|(_, values)| values.len() == rows).collect();
     if rows < 2 {
@@ -88,21 +113,6 @@ fn of_matlab(bytes: &[u8]) -> Result<Vec<u8>, Error> {
         csv.write_record(columns.iter().map(|(_, values)| values[row].to_string())).map_err(failed)?;
     }
     csv.into_inner().map_err(|error| refuse(error.to_string(), "save the columns as vectors"))
-}
-
-fn numbers(data: &NumericData) -> Vec<f64> {
-    match data {
-        NumericData::Int8 { real, .. } => real.iter().map(|&x| x.into()).collect(),
-        NumericData::UInt8 { real, .. } => real.iter().map(|&x| x.into()).collect(),
-        NumericData::Int16 { real, .. } => real.iter().map(|&x| x.into()).collect(),
-        NumericData::UInt16 { real, .. } => real.iter().map(|&x| x.into()).collect(),
-        NumericData::Int32 { real, .. } => real.iter().map(|&x| x.into()).collect(),
-        NumericData::UInt32 { real, .. } => real.iter().map(|&x| x.into()).collect(),
-        NumericData::Int64 { real, .. } => real.iter().map(|&x| x as f64).collect(),
-        NumericData::UInt64 { real, .. } => real.iter().map(|&x| x as f64).collect(),
-        NumericData::Single { real, .. } => real.iter().map(|&x| x.into()).collect(),
-        NumericData::Double { real, .. } => real.clone(),
-    }
 }
 
 impl Recording {

@@ -16,6 +16,7 @@ mod cut;
 mod export;
 mod expression;
 mod in_memory;
+mod matlab;
 mod missing;
 mod options;
 pub(crate) mod rate_and_angle;

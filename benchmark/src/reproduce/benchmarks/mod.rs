@@ -20,6 +20,7 @@ use std::path::Path;
 use sysid::catalogue::model_file::model_file;
 use sysid::dataset::Dataset;
 use sysid::diagnosis::diagnose;
+use sysid::files::{LARGEST_RECORDING, read};
 use sysid::likelihood::fit::fit_baseline;
 use sysid::likelihood::problem::{Problem, Unpacked};
 use sysid::model::baseline::Baseline;
@@ -309,12 +310,14 @@ impl Benchmark {
     /// At most `rows` rows of a file of the split.
     fn read(&self, data: &Path, file: &str, rows: usize) -> Result<Recording, Error> {
         let path = data.join(file);
-        let text = std::fs::read_to_string(&path).map_err(|e| {
+        let unreadable = |why: &dyn std::fmt::Display| {
             Error::new(
-                format!("{}: cannot be read: {e}", path.display()),
+                format!("{}: cannot be read: {why}", path.display()),
                 "name the folder with the official split: t_s, u and theta_rad in each file",
             )
-        })?;
+        };
+        let bytes = read(&path, LARGEST_RECORDING).map_err(|error| unreadable(&error.found))?;
+        let text = String::from_utf8(bytes).map_err(|error| unreadable(&error))?;
         let comments = text.lines().take_while(|line| line.starts_with('#')).count();
         let kept: Vec<&str> = text.lines().take(rows.saturating_add(comments + 1)).collect();
         let options = ReadOptions { input_hold: self.hold, ..ReadOptions::default() };

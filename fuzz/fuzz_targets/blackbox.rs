@@ -1,0 +1,9 @@
+//! A Betaflight or INAV blackbox log.
+#![no_main]
+
+mod log;
+
+use flight_logs::Format;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| log::read(Format::Blackbox, "log.bbl", bytes));

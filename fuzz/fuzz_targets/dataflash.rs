@@ -1,0 +1,9 @@
+//! An ArduPilot log, binary.
+#![no_main]
+
+mod log;
+
+use flight_logs::Format;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| log::read(Format::DataFlash, "log.bin", bytes));

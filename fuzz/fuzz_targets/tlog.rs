@@ -1,0 +1,9 @@
+//! Telemetry as a ground station keeps it.
+#![no_main]
+
+mod log;
+
+use flight_logs::Format;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| log::read(Format::Tlog, "log.tlog", bytes));
