@@ -140,7 +140,7 @@ impl Trial {
     /// drawn, costs the nearest that it can.
     ///
     /// # Errors
-    /// As [`fly`]; no attempt ended as a test should.
+    /// As [`fly`](crate::fly); no attempt ended as a test should.
     pub fn fly(mut self) -> Result<Concealed, Error> {
         for _ in 0..ATTEMPTS {
             let mut settings = Vec::new();

@@ -63,6 +63,12 @@ pub fn replay<const N: usize>(
         updates: 0,
         left_out: 0,
     };
+    let beyond = |values: &[f64]| values.iter().any(|&value| (value as f32).is_infinite());
+    if pieces.iter().any(|piece| beyond(piece.u) || beyond(piece.y)) {
+        let found = "a value of the input or the pitch rate is beyond the range of single precision";
+        let advice = "convert the input and the pitch rate to units in which they are near 1";
+        return Err(Error::new(ErrorKind::Numerical, found, advice));
+    }
     let mut done: Vec<usize> = Vec::new();
     for first in pieces {
         if done.contains(&first.run) {
@@ -73,12 +79,7 @@ pub fn replay<const N: usize>(
         replay.feed(&own, window);
     }
     let Replay { state, meter, figures, updates, left_out, .. } = replay;
-    let taps: Vec<f64> = state.taps().iter().take(count).map(|&w| f64::from(w)).collect();
-    if !taps.iter().all(|w| w.is_finite()) {
-        let found = "the taps left the range of single precision";
-        let advice = "convert the input and the pitch rate to units in which they are near 1";
-        return Err(Error::new(ErrorKind::Numerical, found, advice));
-    }
+    let taps = state.taps().iter().take(count).map(|&w| f64::from(w)).collect();
     let fir = Fir { taps, first_lag: 1 + usize::from(lms.input_delay), step };
     Ok(LmsFit { fir, convergence: meter.figures(&figures), updates, left_out })
 }

@@ -2,6 +2,7 @@
 //! same columns, and Parquet written.
 
 use std::io::Write;
+use std::panic::catch_unwind;
 use std::sync::Arc;
 
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
@@ -21,10 +22,15 @@ use crate::files::LARGEST_RECORDING;
 /// The file's content as CSV: what is no binary table is left as it is.
 pub(super) fn as_csv(bytes: Vec<u8>) -> Result<Vec<u8>, Error> {
     match () {
-        () if bytes.starts_with(b"PAR1") => of_parquet(bytes).map_err(|error| {
-            let found = format!("a Parquet table that cannot be read: {error}");
-            Error::new(ErrorKind::Format, found, "write the table again, or as CSV")
-        }),
+        () if bytes.starts_with(b"PAR1") => {
+            // at some damaged pages the crate panics
+            let read = catch_unwind(|| of_parquet(bytes));
+            let damaged = |_| Err(ParquetError::General("a page is damaged".into()));
+            read.unwrap_or_else(damaged).map_err(|error| {
+                let found = format!("a Parquet table that cannot be read: {error}");
+                Error::new(ErrorKind::Format, found, "write the table again, or as CSV")
+            })
+        }
         () if bytes.starts_with(b"MATLAB 5.0") => of_matlab(&bytes),
         () => Ok(bytes),
     }
@@ -195,6 +201,21 @@ mod tests {
         let again = read_back(bytes).unwrap();
         assert_eq!((&again.t, &again.u, &again.q), (&recording.t, &recording.u, &recording.q));
         assert_eq!((&again.sections, &again.supervised), (&recording.sections, &recording.supervised));
+    }
+
+    #[test]
+    fn a_damaged_table_is_read_or_refused() {
+        let mut whole = Vec::new();
+        recording().write_parquet(&mut whole).unwrap();
+        let mut refused = 0;
+        for place in (4..whole.len()).step_by(7) {
+            for change in [0xff, 0x80, 1] {
+                let mut damaged = whole.clone();
+                damaged[place] ^= change;
+                refused += u32::from(as_csv(damaged).is_err());
+            }
+        }
+        assert!(refused > 100, "{refused}");
     }
 
     /// A MATLAB file of version 5 with one double matrix per name.
