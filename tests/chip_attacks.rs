@@ -117,8 +117,7 @@ fn an_attack_changes_nothing_and_an_abort_gets_through() {
     configure(&mut pilot, &config);
 
     let mut attacker = Attacker { random: 1, heard: Vec::new() };
-    let arm =
-        COMMAND_LONG_DATA { target_system: 1, ..Attacker::order(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0) };
+    let arm = Attacker::order(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
     attacker.heard.push(pilot.frame(&arm));
     // not yet ours: an unsigned, a forged and a foreign start before the vehicle is armed by us
     for frame in [attacker.harm(None), attacker.harm(Some((&THEIRS, 1 << 46)))] {

@@ -300,9 +300,30 @@ fn an_extended_model_keeps_what_has_no_name() {
     let message = bench.refused(&["diagnose", "flight.csv", "--model", "wrong.toml"]);
     assert_names(&message, &["wrong.toml", "line", "of_x", "of_q_and_theta"]);
     let lag = "\n[[effect]]\nid = \"servo_lag\"\nT = 0.05\n".repeat(2);
-    bench.write("many.toml", &(extended + &lag));
+    bench.write("twice.toml", &(extended + &lag));
+    let message = bench.refused(&["diagnose", "flight.csv", "--model", "twice.toml"]);
+    assert_names(&message, &["twice.toml, line", "servo_lag a second time", "each effect once"]);
+    bench.write("many.toml", &with_14_states());
     let message = bench.refused(&["diagnose", "flight.csv", "--model", "many.toml"]);
-    assert_names(&message, &["many.toml, line", "servo_lag a second time", "each effect once"]);
+    assert_names(&message, &["14 states", "at most 12", "leave out"]);
+}
+
+/// A model whose effects, each there once, have more states than a model may.
+fn with_14_states() -> String {
+    let listed = [
+        ("servo_lag", "T = 0.05"),
+        ("servo_second_order", "f_hz = 5.0\nzeta = 0.7"),
+        ("inflow_lag", "g = 0.3\nT_lambda = 0.2"),
+        ("structural_mode", "omega = 20.0\nzeta = 0.02\ngain = 0.3"),
+        ("slung_load", "f_hz = 1.0\nshare = 0.2\nzeta = 0.1"),
+    ];
+    let sizes = "c1_N_m = 0.01\nc2_N_m = 0.01\nc3_N_m = 0.01\nscale_q_rad_s = 0.3\nscale_theta_rad = 0.1\n\
+                 scale_u = 0.015\nduration_s = 90.0";
+    let unlisted = ["memory_of_u", "memory_of_motion"]
+        .map(|shape| format!("[[effect]]\nid = \"unlisted\"\nshape = \"{shape}\"\n{sizes}\n"));
+    let plant = "[plant]\ninertia_kg_m2 = 0.1705\ndM_dq_N_m_s = -0.27\ndM_du_N_m = 23.0\ndelay_s = 0.06\n";
+    let listed = listed.map(|(id, values)| format!("[[effect]]\nid = \"{id}\"\n{values}\n"));
+    plant.to_owned() + &listed.concat() + &unlisted.concat()
 }
 
 #[test]
