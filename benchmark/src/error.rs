@@ -1,5 +1,6 @@
 //! What stops a benchmark.
 
+use std::io::{self, ErrorKind};
 use std::path::Path;
 
 /// What was found and what to do about it.
@@ -31,8 +32,16 @@ impl Error {
     }
 
     /// A file or folder that could not be written.
-    pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Self {
-        let message = format!("{}: cannot be written: {error}", path.display());
-        Self::new(message, "name a file in a folder that you may write to")
+    pub fn unwritable(path: &Path, error: &io::Error) -> Self {
+        let help = match error.kind() {
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+                "make room there, or name a file on another disk"
+            }
+            _ => "name a file in a folder that you may write to",
+        };
+        // a file that is written beside its place has a name that says nothing
+        let inner = error.get_ref().and_then(|inner| inner.source());
+        let why = inner.map_or_else(|| error.to_string(), ToString::to_string);
+        Self::new(format!("{}: cannot be written: {why}", path.display()), help)
     }
 }

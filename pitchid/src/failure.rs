@@ -2,7 +2,8 @@
 
 use miette::{Diagnostic, LabeledSpan, MietteHandlerOpts, NamedSource, Report, SourceCode};
 use std::fmt::Display;
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{IsTerminal, Write};
+use std::path::Path;
 
 /// Longest line of a file that is worth showing in a message, bytes.
 const LONGEST_LINE: usize = 160;
@@ -55,14 +56,8 @@ impl Failure {
     }
 
     /// A file that could not be written.
-    pub fn unwritable(file: &str, error: &std::io::Error) -> Self {
-        let help = match error.kind() {
-            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
-                "make room there, or name a file on another disk"
-            }
-            _ => "name a file in a folder that you may write to",
-        };
-        Self::new(format!("{file}: cannot be written: {error}"), help)
+    pub fn unwritable(file: &Path, error: &std::io::Error) -> Self {
+        benchmark::Error::unwritable(file, error).into()
     }
 
     /// Prints the message to standard error; one that is closed is no reason to fail in another way.

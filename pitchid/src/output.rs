@@ -60,12 +60,12 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
 
 /// Writes a file, whole or not at all.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    write_whole(path, bytes).map_err(|error| Failure::unwritable(&path.display().to_string(), &error))
+    write_whole(path, bytes).map_err(|error| Failure::unwritable(path, &error))
 }
 
 /// Makes a folder, and what it lies in, where it is not there.
 pub fn folder(path: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(path).map_err(|error| Failure::unwritable(&path.display().to_string(), &error))
+    std::fs::create_dir_all(path).map_err(|error| Failure::unwritable(path, &error))
 }
 
 /// An answer as JSON text, indented.
@@ -106,7 +106,7 @@ pub fn check<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &[&Path]) 
         if let Some((_, what)) = taken.iter().find(same) {
             return Err(Failure::new(format!("{name}: would overwrite {what}"), "name another file"));
         }
-        probe(&place).map_err(|error| Failure::unwritable(&name.to_string(), &error))?;
+        probe(&place).map_err(|error| Failure::unwritable(output, &error))?;
         taken.push((place, "another output"));
     }
     Ok(())

@@ -1,5 +1,8 @@
 //! `pitchid record` and `pitchid fly`, the real binary against a board on a TCP port whose line breaks.
 
+#[cfg(target_os = "linux")]
+#[path = "support/small_disk.rs"]
+mod small_disk;
 mod support;
 
 use estimator_core::Telemetry;
@@ -192,6 +195,68 @@ fn everything_that_comes_is_recorded_until_ctrl_c_over_a_broken_line_and_a_reset
     assert!(text.contains("# the board's clock began anew") && text.contains("# started"));
     let times: Vec<f64> = text.lines().filter_map(|line| line.split(',').next()?.parse().ok()).collect();
     assert!(times.is_sorted_by(|a, b| a < b), "time runs on");
+}
+
+/// Rows until the file ends, perhaps in the middle of one.
+fn rows_of_a_part(file: &Path) -> Vec<Row> {
+    let text = std::fs::read_to_string(file).unwrap();
+    let whole = &text[..=text.rfind('\n').unwrap()];
+    std::fs::write(file.with_extension("whole"), whole).unwrap();
+    rows(&file.with_extension("whole"))
+}
+
+#[test]
+fn a_program_that_is_killed_leaves_what_came_beside_the_recording_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (command, cycles) in [("fly", 700), ("record", 400), ("record", 1000), ("fly", 3000)] {
+        let board = Board::boot(Script { starts: (command == "record").then_some(20), ..Script::default() });
+        std::fs::write(folder.join("r.csv"), "before").unwrap();
+        let mut child = pitchid(folder, &[command, &board.port, "--out", "r.csv"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        while board.sent.lock().unwrap().cycles.len() < cycles {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert_eq!(std::fs::read_to_string(folder.join("r.csv")).unwrap(), "before");
+        let found = rows_of_a_part(&folder.join("r.csv.part"));
+        let sent: Vec<Row> = match command {
+            "fly" => flown(&board),
+            _ => board.sent.lock().unwrap().cycles.iter().map(row).collect(),
+        };
+        assert!(found.len() + 100 > cycles / 2, "{command}: {} of {cycles}", found.len());
+        assert!(found == sent[..found.len()], "{command}: what came is there, to the bit");
+        answered(folder, &["show", "r.csv.part"]);
+        // and it is not written over
+        let again = pitchid(folder, &[command, &board.port, "--out", "r.csv"]).output().unwrap();
+        assert_eq!(again.status.code(), Some(2));
+        assert!(text(&again.stderr).contains("rename or delete it"), "{}", text(&again.stderr));
+        std::fs::remove_file(folder.join("r.csv.part")).unwrap();
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_fills_ends_the_recording_with_what_fitted() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let board = Board::boot(Script { starts: Some(20), ..Script::default() });
+    let script = format!(
+        "echo before > disk/r.csv; \"$1\" record {} --out disk/r.csv > told; code=$?; cp disk/* .; exit $code",
+        board.port
+    );
+    let Some((code, told)) = small_disk::on_a_small_disk(folder, 64, &script) else { return };
+    assert_eq!(code, 2, "{told}");
+    assert!(told.contains("r.csv.part: cannot be written") && told.contains("make room there"), "{told}");
+    assert_eq!(std::fs::read_to_string(folder.join("r.csv")).unwrap(), "before\n");
+    let found = rows_of_a_part(&folder.join("r.csv.part"));
+    let sent: Vec<Row> = board.sent.lock().unwrap().cycles.iter().map(row).collect();
+    assert!(found.len() > 300 && found == sent[..found.len()], "{} rows", found.len());
+    answered(folder, &["show", "r.csv.part"]);
 }
 
 #[test]

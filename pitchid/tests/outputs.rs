@@ -3,8 +3,13 @@
 
 #[path = "support/command.rs"]
 mod command;
+#[cfg(target_os = "linux")]
+#[path = "support/small_disk.rs"]
+mod small_disk;
 
 use command::{answered, refused};
+#[cfg(target_os = "linux")]
+use small_disk::on_a_small_disk;
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -113,4 +118,63 @@ fn what_was_on_the_disk_stays_whole_when_the_program_is_killed() {
     let diagnosis =
         ["diagnose", "flight.csv", "--json", "d.json", "--report", "d.html", "--out-model", "d.toml"];
     killed(folder, &diagnosis, &["d.json", "d.html", "d.toml"], 10, 4000);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_fills_keeps_what_it_held() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    answered(folder, &["simulate", "--seed", "3", "--out", "flight.csv"]);
+    for command in [
+        "simulate --seed 4 --out disk/out.csv",
+        "convert flight.csv disk/out.csv",
+        "diagnose flight.csv --report disk/out.csv",
+        "prove --cases 1 --out disk/proof",
+    ] {
+        // room for what is there, and for no answer
+        let script = format!(
+            "echo before > disk/out.csv; \"$1\" {command} > told; code=$?; cp disk/out.csv after; ls -A disk > left; exit $code"
+        );
+        let Some((code, told)) = on_a_small_disk(folder, 24, &script) else { return };
+        assert_eq!(code, 2, "{command}: {told}");
+        assert!(told.contains("cannot be written") && told.contains("make room there"), "{command}: {told}");
+        assert_eq!(fs::read_to_string(folder.join("after")).unwrap(), "before\n", "{command}");
+        let left = fs::read_to_string(folder.join("left")).unwrap();
+        assert!(
+            left.split_whitespace().all(|name| ["out.csv", "proof"].contains(&name)),
+            "{command} left {left}"
+        );
+    }
+}
+
+#[test]
+fn a_proof_that_is_killed_goes_on_to_the_same_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let prove = |out: &str, further: &[&str]| {
+        let mut arguments = vec!["prove", "--cases", "3", "--seed", "5", "--jobs", "1", "--out", out];
+        arguments.extend(further);
+        pitchid(folder, &arguments)
+    };
+    assert!(prove("whole", &[]).status().unwrap().success());
+    for (seed, times) in [(1_u64, 2), (2, 3)] {
+        let out = format!("killed-{seed}");
+        let mut state = seed;
+        for time in 0..times {
+            let further: &[&str] = if time == 0 { &[] } else { &["--resume"] };
+            let mut child = prove(&out, further).spawn().unwrap();
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            std::thread::sleep(Duration::from_millis((state >> 33) % 6000));
+            child.kill().unwrap();
+            child.wait().unwrap();
+            assert!(!folder.join(&out).join("table.md").exists(), "no table before all cases are counted");
+        }
+        assert!(prove(&out, &["--resume"]).status().unwrap().success());
+        for name in ["seals.txt", "results.json", "table.md", "cases/0002/answer.json"] {
+            let [whole, resumed] =
+                ["whole", &out].map(|proof| fs::read(folder.join(proof).join(name)).unwrap());
+            assert!(whole == resumed, "{name} after {times} kills");
+        }
+    }
 }

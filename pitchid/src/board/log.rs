@@ -1,6 +1,7 @@
 //! A recording as it comes in: a row for each cycle, and as comments what no row can hold.
 //!
-//! Every row is in the file before the next message is waited for. Time runs on where the board's clock begins anew.
+//! Every row is in the file before the next message is waited for. Time runs on where the board's clock begins anew. Until it is
+//! finished the recording lies beside its place, in `NAME.part`: that is what a computer that fails, or a full disk, leaves.
 
 use super::cycle::CycleReport;
 use crate::failure::Failure;
@@ -15,7 +16,10 @@ const COLUMNS: &str = "t_s,u_rad,q_rad_s,theta_rad,section,supervised,theta_ref_
 
 /// An open recording.
 pub struct Log {
+    /// Where it goes when it is finished.
     path: PathBuf,
+    /// Where it lies until then.
+    part: PathBuf,
     file: BufWriter<File>,
     /// The last cycle, and when it came.
     last: Option<(CycleReport, Instant)>,
@@ -37,18 +41,24 @@ impl Log {
         }
     }
 
+    /// Refuses a place beside which lies what an earlier recording left.
+    pub fn check(path: &Path) -> Result<(), Failure> {
+        let (path, part) = places(path);
+        if part == path || !part.exists() {
+            return Ok(());
+        }
+        let part = part.display();
+        let help = format!("look at it (pitchid show {part}), then rename or delete it");
+        Err(Failure::new(format!("{part}: what a recording left that was cut off"), help))
+    }
+
     /// Begins a recording.
     pub fn create(path: &Path, title: &str) -> Result<Self, Failure> {
-        let file =
-            File::create(path).map_err(|error| Failure::unwritable(&path.display().to_string(), &error))?;
-        let mut log = Self {
-            path: path.to_owned(),
-            file: BufWriter::new(file),
-            last: None,
-            shift_us: 0,
-            rows: 0,
-            lost: 0,
-        };
+        Self::check(path)?;
+        let (path, part) = places(path);
+        let file = File::create(&part).map_err(|error| Failure::unwritable(&part, &error))?;
+        let mut log =
+            Self { path, part, file: BufWriter::new(file), last: None, shift_us: 0, rows: 0, lost: 0 };
         log.line(&format!("# {title}\n{COLUMNS}"))?;
         Ok(log)
     }
@@ -99,9 +109,34 @@ impl Log {
         self.file.flush().map_err(|error| self.unwritable(&error))
     }
 
-    fn unwritable(&self, error: &std::io::Error) -> Failure {
-        Failure::unwritable(&self.path.display().to_string(), error)
+    /// Ends the recording and moves it to its place; one without a cycle leaves nothing.
+    pub fn finish(&mut self) -> Result<(), Failure> {
+        self.flush()?;
+        if self.part == self.path {
+            return Ok(());
+        }
+        if self.last.is_none() {
+            return std::fs::remove_file(&self.part).map_err(|error| self.unwritable(&error));
+        }
+        let moved = self.file.get_ref().sync_all().and_then(|()| std::fs::rename(&self.part, &self.path));
+        moved.map_err(|error| self.unwritable(&error))
     }
+
+    fn unwritable(&self, error: &std::io::Error) -> Failure {
+        Failure::unwritable(&self.part, error)
+    }
+}
+
+/// The place of a recording, and where it lies until it is finished: the same where the place is no plain file, as a device or a pipe.
+fn places(path: &Path) -> (PathBuf, PathBuf) {
+    // a link stays a link
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    if path.metadata().is_ok_and(|present| !present.is_file()) {
+        return (path.clone(), path);
+    }
+    let mut part = path.clone().into_os_string();
+    part.push(".part");
+    (path, part.into())
 }
 
 #[cfg(test)]
@@ -131,7 +166,7 @@ mod tests {
         let path = folder.path().join("log.csv");
         let mut log = Log::create(&path, "a test").unwrap();
         reports.iter().for_each(|report| log.cycle(report).unwrap());
-        log.flush().unwrap();
+        log.finish().unwrap();
         (std::fs::read_to_string(&path).unwrap(), log.rows, log.lost)
     }
 

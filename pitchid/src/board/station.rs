@@ -76,6 +76,11 @@ impl Station {
         self.log.as_mut()
     }
 
+    /// Ends the recording, which is then at its place.
+    pub fn finish(&mut self) -> Result<Option<&mut Log>, Failure> {
+        self.log.as_mut().map(|log| log.finish().map(|()| log)).transpose()
+    }
+
     /// The next thing heard, if one comes in time. What has come is on its way to the disk before the wait.
     pub fn hear(&mut self, patience: Duration) -> Result<Option<Heard>, Failure> {
         let news = match self.link.hear(Duration::ZERO) {

@@ -19,7 +19,7 @@ use sysid::monitor::read_monitor;
 ///
 /// Shows state, attitude and convergence once a second, and every text of the board. Ctrl-C breaks the test off and waits
 /// until the board has done so. A line that breaks is opened again; the board goes on meanwhile. At the end the recording of
-/// the test and the taps of the on-board estimate are written. The blades move: see firmware/README.md before the first time.
+/// the test, until then in RECORDING.csv.part, and the taps of the on-board estimate are written. The blades move: see firmware/README.md before the first time.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -92,6 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs: Vec<&Path> =
         arguments.monitor.iter().chain(&arguments.parameters).map(PathBuf::as_path).collect();
     output::check(outputs.map(PathBuf::as_path), &inputs)?;
+    Log::check(&arguments.out)?;
     let monitor = arguments.monitor.as_deref().map(monitor).transpose()?;
     let wanted = wanted(arguments)?;
     let stop = Stop::on_ctrl_c()?;
@@ -112,7 +113,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let count = parameters.get("LMS_TAPS").map_or(0, |&count| count as usize);
     let taps = flown.is_ok().then(|| fetch_taps(&mut station, count)).transpose()?.flatten();
     let disarmed = station.order(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 0.0);
+    let kept = station.finish().map(|_| ());
     let last = flown?;
+    kept?;
     conclude(arguments, &mut station, &parameters, &last, taps)?;
     disarmed
 }
@@ -265,7 +268,6 @@ fn conclude(
     taps: Option<Vec<f32>>,
 ) -> Result<(), Failure> {
     if let Some(log) = station.log() {
-        log.flush()?;
         let end = match last.phase {
             Phase::Done => "finished",
             Phase::Aborted => "broken off",

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Writes a recording live from a board
 ///
 /// Every cycle that arrives becomes a row at once, texts of the board become comments. A line that breaks is opened again.
-/// Ends with Ctrl-C, or after --seconds. Sends nothing: what the board does is up to whoever flies it.
+/// Ends with Ctrl-C, or after --seconds; until then the recording lies in RECORDING.csv.part. Sends nothing: what the board does is up to whoever flies it.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
@@ -42,6 +42,7 @@ Exit status: 0 recorded; 2 the line could not be opened, the file not be written
 /// Records.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     output::check(std::iter::once(&arguments.out).chain(&arguments.json).map(PathBuf::as_path), &[])?;
+    Log::check(&arguments.out)?;
     let stop = Stop::on_ctrl_c()?;
     let mut station = arguments.line.open()?;
     station.record(Log::create(&arguments.out, "pitchid record")?, false);
@@ -54,13 +55,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let out = arguments.out.display();
-    let Some((log, _)) = station.log().zip(last) else {
+    let Some(log) = station.finish()?.filter(|_| last.is_some()) else {
         return Err(Failure::new(
             format!("{out}: nothing came"),
             "look at the board's power and at the line",
         ));
     };
-    log.flush()?;
     output::print(&format!("{out}: {}\n", log.counted()))?;
     let Some(path) = &arguments.json else { return Ok(()) };
     let answer = serde_json::json!({

@@ -8,7 +8,7 @@ use super::assign::{Source, assign};
 use super::columns::{KNOWN_COLUMNS, Role};
 use super::expression::Expression;
 use super::options::{ColumnMap, ReadOptions};
-use super::{Note, missing, sniff};
+use super::{Note, NoteKind, missing, sniff};
 use crate::error::{Error, ErrorKind, quote};
 
 /// A number beyond this is no measurement in SI units.
@@ -206,9 +206,19 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -
     let sources = assign(&header, &options.columns, notes).map_err(|error| error.at_line(header_line))?;
     let mut filler = Filler::new(header.clone(), sources, text.len() / header_length);
     let mut wrong = Wrong::default();
-    for (number, line) in lines {
+    let ends = text.ends_with(['\n', '\r']);
+    let mut lines = lines.peekable();
+    while let Some((number, line)) = lines.next() {
         match splitter.split(line) {
             Err(error) => wrong.add(error, number),
+            // whoever wrote it was cut off in the middle of a row
+            Ok(()) if splitter.fields < header.len() && !ends && lines.peek().is_none() => {
+                let (found, wanted) = (splitter.fields, header.len());
+                let text = format!(
+                    "line {number}, the last, is cut off after {found} of {wanted} fields and was left out"
+                );
+                notes.push(Note::new(NoteKind::Missing, text));
+            }
             Ok(()) if splitter.fields != header.len() => {
                 wrong.add(wrong_width(splitter.fields, header.len()), number);
             }
