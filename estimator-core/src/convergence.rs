@@ -225,6 +225,21 @@ mod tests {
     }
 
     #[test]
+    fn settling_is_the_slower_of_the_constant_and_all_other_inputs() {
+        let lms = LmsConfig { step: 0.1, taps: 8, ..LmsConfig::default() }.build::<8>().unwrap();
+        let meter = ConvergenceConfig::default().build().unwrap();
+        // the share of the energy in the constant direction is sum^2 / (8 energy)
+        for (sum, share) in [(0.0, 0.0_f32), (2.0, 0.25), (3.0, 0.5625), (4.0, 1.0)] {
+            let mut state = ConvergenceState::default();
+            for _ in 0..100 {
+                meter.step(&mut state, &lms, Update::default(), 0.0, [2.0, sum]);
+            }
+            let settling = meter.figures(&state).settling;
+            assert!((settling - 10.0 * share.min(1.0 - share)).abs() < 1e-3, "{share}: {settling}");
+        }
+    }
+
+    #[test]
     fn without_input_nothing_is_claimed() {
         assert_eq!(learn(0.1, 0.02, 0.0).0.verdict, Verdict::NotExcited);
         assert_eq!(learn(0.1, 0.02, 0.002).0.verdict, Verdict::NotExcited);

@@ -101,6 +101,12 @@ mod tests {
             format!("{:.2} {:+.1} {:+.2}", Decimal(1.0), Decimal(2.25), Decimal(-0.001)),
             "1.00 +2.3 +0.00"
         );
+        let edges = [0.012_345_678, 0.1, 0.099_999_9, 1.0, 10.0, 33_554_432.0, 536_870_912.0, 5.0e8, 0.25];
+        let found = edges.map(|value| Decimal(value).to_string());
+        let expected =
+            ["0.0123457", "0.1", "0.0999999", "1", "10", "33554432", "536870912", "500000000", "0.25"];
+        assert_eq!(found, expected);
+        assert_eq!(Decimal(1.234_567_9).to_string(), "1.23457");
         let wild = [f32::NAN, f32::NEG_INFINITY, 1e30, f32::MAX, f32::MIN_POSITIVE];
         assert_eq!(
             wild.map(|value| Decimal(value).to_string()),

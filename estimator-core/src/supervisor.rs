@@ -337,6 +337,35 @@ mod tests {
     }
 
     #[test]
+    fn a_limit_itself_is_neither_beyond_nor_within() {
+        let config = SupervisorConfig::default();
+        let supervisor = config.build().unwrap();
+        let at = |theta_rad, q_rad_s| Sample { time_us: 0, q_rad_s, theta_rad };
+        let (theta, q) = (config.trip_theta_rad, config.trip_q_rad_s);
+        assert!(supervisor.tripped(&at(theta, -q)).is_none() && supervisor.tripped(&at(-theta, q)).is_none());
+        assert!(supervisor.tripped(&at(-theta.next_up(), 0.0)).is_some());
+        assert!(supervisor.tripped(&at(0.0, -q.next_up())).is_some());
+        let (theta, q) = (config.release_theta_rad, config.release_q_rad_s);
+        assert!(!supervisor.released(&at(theta, 0.0)) && !supervisor.released(&at(0.0, -q)));
+        assert!(supervisor.released(&at(theta.next_down(), -q.next_down())));
+    }
+
+    #[test]
+    fn a_release_lies_a_tenth_within_its_limit() {
+        let limits =
+            SupervisorConfig { trip_theta_rad: 0.4, trip_q_rad_s: 2.0, ..SupervisorConfig::default() };
+        let with =
+            |theta, q| SupervisorConfig { release_theta_rad: theta, release_q_rad_s: q, ..limits }.build();
+        assert!(with(0.35, 1.79).is_ok() && with(0.37, 1.0).is_err() && with(0.1, 1.81).is_err());
+    }
+
+    #[test]
+    fn frozen_samples_are_none_or_two_at_least() {
+        let with = |frozen_samples| SupervisorConfig { frozen_samples, ..SupervisorConfig::default() }.build();
+        assert!(with(0).is_ok() && with(2).is_ok() && with(1).is_err() && with(1001).is_err());
+    }
+
+    #[test]
     fn rate_trips_too() {
         let mut bench = Bench::started();
         let ruling = bench.step(0.0, -2.5, Command::None);

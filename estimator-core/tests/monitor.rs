@@ -196,3 +196,31 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn what_is_not_watched_for_has_no_evidence() {
+    for place in 0..4 {
+        let monitor =
+            MonitorConfig { watched: 1 << place, ..MonitorConfig::default() }.build(&model()).unwrap();
+        let (mut state, mut plant) = (monitor.initial_state(), Plant { q: 0.0, noise: 5 });
+        let mut seen = [false; CAUSES];
+        for tick in 0..2000 {
+            let u = if (tick / 30 + tick / 70) % 2 == 0 { 0.015 } else { -0.015 };
+            let measured = Some(plant.step(u, if tick < 500 { GAIN } else { 0.4 * GAIN }));
+            let report = monitor.step(&mut state, &Observation { tick, measured, u_rad: u });
+            seen.iter_mut().zip(report.evidence).for_each(|(seen, evidence)| *seen |= evidence > 0.0);
+        }
+        assert!(seen.iter().enumerate().all(|(i, seen)| *seen == (i == place)), "{place}: {seen:?}");
+        assert_ne!(state, monitor.initial_state());
+        state.reset();
+        assert_eq!(state, monitor.initial_state());
+    }
+}
+
+#[test]
+fn a_model_has_the_numbers_that_the_link_and_the_flash_have_room_for() {
+    assert_eq!(NUMBERS, 138);
+    assert_eq!(model().to_numbers().len(), NUMBERS);
+    let last = model().to_numbers()[NUMBERS - 1];
+    assert_eq!(last, model().tests[CAUSES - 1].sizes[5]);
+}

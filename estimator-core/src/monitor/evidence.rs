@@ -151,6 +151,15 @@ mod tests {
     }
 
     #[test]
+    fn without_evidence_the_change_would_begin_now() {
+        let mut evidence = Evidence::default();
+        for tick in 0..100 {
+            evidence.take(&TEST, 0.0, 10.0, 1.0, 1.0, tick);
+            assert_eq!(evidence.best(), &Finding { since: tick, ..Finding::default() });
+        }
+    }
+
+    #[test]
     fn what_lies_within_the_dead_zone_is_never_evidence() {
         let mut evidence = Evidence::default();
         for tick in 0..10_000 {

@@ -1,8 +1,8 @@
 //! A gust: a disturbance that is more than the ordinary background.
 //!
 //! Background is a band-passed moment: it has no power at rest. A gust, T ẇ = −w + noise, has most of its power at low
-//! frequencies. Both are fitted side by side, and it is a gust if both moments together have more power at low frequencies than
-//! backgrounds have, and the likelihood needs it beside a band-passed one, or there is more than any background has. A
+//! frequencies. Both are fitted side by side, and it is a gust if both moments together have clearly more power at low frequencies
+//! than backgrounds have, and the likelihood needs it beside a band-passed one, or there is more than any background has. A
 //! background of another colour, or of a strength that wanders, is a fact about the day, and no gust.
 
 use super::posterior::chance;
@@ -25,7 +25,8 @@ const HIGH_BAND: [f64; 2] = [3.0, 6.0];
 /// Power in the low band relative to the high band from which on a disturbance is a gust, whatever its poles. Band-passed
 /// backgrounds lie below 0.35, gusts above 2.
 const LEAST_RATIO: f64 = 0.7;
-/// Standard errors by which the logarithm of the ratio must exceed that of a background.
+/// Standard errors by which the logarithm of the ratio must exceed that of a background. What the likelihood needs and has no
+/// more slow power is air of uneven strength, or another colour.
 const LEAST_SCORE: f64 = 2.0;
 /// Largest ratio that an ordinary background has.
 const BACKGROUND_RATIO: f64 = 0.35;
@@ -101,7 +102,10 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     let penalty = own.len() as f64 * (problem.count() as f64).ln();
     let by_likelihood = 0.5 * (gain - penalty) + (FURTHER_TERM * NAMED / CATALOGUE.len() as f64).ln();
     let score = (ratio - BACKGROUND_RATIO.ln()) / error_of_ratio(problem, &fit, &information);
-    let by_ratio = ratio > LEAST_RATIO.ln() && score > LEAST_SCORE;
+    if score < LEAST_SCORE {
+        return None;
+    }
+    let by_ratio = ratio > LEAST_RATIO.ln();
     let (log_evidence, p_value) = if by_likelihood > 0.0 {
         (by_likelihood, chance(gain, own.len()))
     } else if by_ratio {

@@ -9,6 +9,7 @@ use super::parts::Part;
 use super::posterior::{Finding, Selection};
 use super::rotation::{Rotation, rotate};
 use super::verdict::Grounds;
+use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
@@ -28,7 +29,7 @@ pub struct Judgement<'p, 'd> {
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
     /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those
-    /// without which the motion is explained as well, and facets of another.
+    /// without which the motion is explained as well, facets of another, and what comes once and is soon over.
     pub small: Vec<Finding>,
     /// Its terms without a name.
     pub shapes: Vec<Finding>,
@@ -111,10 +112,19 @@ impl<'p, 'd> Judgement<'p, 'd> {
                 fit.range_of(problem, finding.effect.about().id).and_then(|own| fit.minimum.values.get(own));
             own.is_some_and(|p| all.iter().any(|e| e.accounts_for(finding.effect, p, &problem.sizes)))
         };
+        // What comes once and is over within a block is an event, as a push or the one gust of the day: nothing that a model lacks.
+        let is_event = |finding: &Finding| {
+            let values =
+                fit.range_of(problem, finding.effect.about().id).and_then(|own| fit.minimum.values.get(own));
+            let at = |place: Option<usize>| values?.get(place?).copied();
+            let lasts = at(finding.effect.ends_at()).zip(at(finding.effect.begins_at()));
+            lasts.is_some_and(|(end, begin)| end - begin < BLOCK_S)
+        };
         let is_small = |(i, finding): &(usize, Finding)| {
             let uncertain = finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len();
             *i > 0 && (uncertain || finding.share < WORTH_A_NAME || !clear(finding) || immaterial[*i])
                 || accounted(finding)
+                || is_event(finding)
         };
         let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
         let [small, named] =
