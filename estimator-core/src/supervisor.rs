@@ -361,7 +361,8 @@ mod tests {
 
     #[test]
     fn frozen_samples_are_none_or_two_at_least() {
-        let with = |frozen_samples| SupervisorConfig { frozen_samples, ..SupervisorConfig::default() }.build();
+        let with =
+            |frozen_samples| SupervisorConfig { frozen_samples, ..SupervisorConfig::default() }.build();
         assert!(with(0).is_ok() && with(2).is_ok() && with(1).is_err() && with(1001).is_err());
     }
 

@@ -276,6 +276,47 @@ mod tests {
         assert_eq!(vehicle("").unwrap().told(), "nothing");
     }
 
+    const WORDS: [&str; 24] = [
+        "axis",
+        "input",
+        "model",
+        "inertia_kg_m2",
+        "[columns]",
+        "[sections]",
+        "[limits]",
+        "attitude_rad",
+        "q_rad_s",
+        "u_norm",
+        "I",
+        "IV",
+        " = ",
+        "\"",
+        "\n",
+        "roll",
+        "held",
+        "-gy*pi/180",
+        "5..30",
+        "hold",
+        "0.3",
+        "-1e400",
+        "[[",
+        "\u{b0}",
+    ];
+
+    proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig::with_cases(2000))]
+
+        /// Whatever stands in it is taken or refused with the line, and what is taken can be told.
+        #[test]
+        fn anything_is_taken_or_refused(words in proptest::collection::vec(0..WORDS.len(), 0..40), other in "\\PC{0,12}") {
+            let text: String = words.iter().map(|i| WORDS[*i]).chain([other.as_str()]).collect();
+            match vehicle(&text) {
+                Ok(found) => proptest::prop_assert!(!found.told().is_empty()),
+                Err(error) => proptest::prop_assert!(error.line.is_some(), "{error:?}"),
+            }
+        }
+    }
+
     #[test]
     fn what_is_wrong_is_told_with_its_line() {
         for (text, line, says) in [

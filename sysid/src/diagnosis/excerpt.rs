@@ -8,6 +8,7 @@
 use super::change_point::best_moment;
 use super::levels::MOST_TERMS;
 use super::posterior::Selection;
+use super::search::worth_a_fit;
 use super::selection::Search;
 use crate::dataset::{Beside, Dataset, Run, pieces};
 use crate::likelihood::fit::{Fit, refit};
@@ -91,7 +92,9 @@ pub fn carried(mut search: Search<'_, '_>, excerpt: &Problem<'_>, of: &Selection
     let likeliest = search.best_named(baseline);
     let mut named = search.with_third_pole(likeliest);
     for _ in 0..MOST_TERMS {
-        search.one_more(named, &timed);
+        // a fit to all data is dear, and what is worth one shows in a step
+        let promising = worth_a_fit(problem, &search.visited[named].fit, &timed);
+        search.one_more(named, &promising);
         search.visit_without(named);
         search.visit_its_class(named);
         let better = search.best_named(named);

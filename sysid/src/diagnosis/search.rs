@@ -131,6 +131,16 @@ impl Prospect {
     }
 }
 
+/// Those of `candidates` that after one step from their best start are worth their parameters.
+pub fn worth_a_fit(
+    problem: &Problem<'_>,
+    before: &Fit,
+    candidates: &[&'static dyn Effect],
+) -> Vec<&'static dyn Effect> {
+    let gaining = screen(problem, before, candidates).into_iter().filter(|prospect| prospect.gain > 0.0);
+    gaining.filter_map(|prospect| prospect.effects.last().copied()).collect()
+}
+
 /// `before` with each of `candidates` after one step from its best start, best BIC first.
 pub fn screen(problem: &Problem<'_>, before: &Fit, candidates: &[&'static dyn Effect]) -> Vec<Prospect> {
     let optimum = &before.minimum.values;
