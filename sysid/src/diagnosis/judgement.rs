@@ -102,9 +102,12 @@ impl<'p, 'd> Judgement<'p, 'd> {
             rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen_in_kind)
         };
         let clear = |finding: &Finding| {
-            let (gain, error) = rotation.gain(finding.effect.about().id).unwrap_or_default().log_likelihood;
+            let held_out = rotation.gain(finding.effect.about().id).unwrap_or_default();
+            let (gain, error) = held_out.log_likelihood;
             // What acts between two moments shows in few blocks: their spread says nothing of it.
-            finding.effect.ends_at().is_some() || gain > HELD_OUT_ERRORS * error
+            finding.effect.ends_at().is_some()
+                || gain > HELD_OUT_ERRORS * error
+                || held_out.signed_rank > HELD_OUT_ERRORS
         };
         let all: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
         let accounted = |finding: &Finding| {

@@ -149,6 +149,18 @@ fn a_terms_gain_is_summed_over_blocks_and_averaged_over_parts() {
     assert!((gain.log_likelihood.1 - 2.0 * (20.0_f64 / 3.0).sqrt()).abs() < 1e-12);
     assert!((gain.vaf_points.0 - 4.0).abs() < 1e-12 && (gain.vaf_points.1 - 2.0).abs() < 1e-12);
     assert_eq!((gain.chosen, gain.chosen_in_kind), (1, 2));
+    assert!((gain.signed_rank - 10.0 / 30.0_f64.sqrt()).abs() < 1e-12);
     let none = term_gain(&[]);
     assert_eq!((none.log_likelihood, none.vaf_points, none.chosen), ((0.0, 0.0), (0.0, 0.0), 0));
+}
+
+#[test]
+fn one_block_does_not_outweigh_all_others() {
+    let mut blocks: Vec<f64> = (1..=30).map(|k| 1.0 + 0.01 * f64::from(k)).collect();
+    blocks.push(-500.0);
+    // ranks 1 to 30 gain, rank 31 loses
+    let expected = (465.0 - 31.0) / (31.0 * 32.0 * 63.0 / 6.0_f64).sqrt();
+    assert!((signed_rank(&blocks) - expected).abs() < 1e-12 && expected > 4.0);
+    assert!((signed_rank(&[1.0, -2.0, 0.0]) + 1.0 / 5.0_f64.sqrt()).abs() < 1e-12);
+    assert_eq!(signed_rank(&[]), 0.0);
 }
