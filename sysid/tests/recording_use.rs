@@ -41,12 +41,13 @@ fn notes(recording: &Recording, kind: NoteKind) -> Vec<&str> {
 
 #[test]
 fn a_last_row_that_is_cut_off_is_left_out_and_told() {
-    let whole = good("t_s,u_rad,q_rad_s\n0,0.1,0.2\n0.02,0.1,0.3\n0.04,-0.1,0.1\n0.06,0.1,0.2\n");
-    let cut = good("t_s,u_rad,q_rad_s\n0,0.1,0.2\n0.02,0.1,0.3\n0.04,-0.1,0.1\n0.06,0.1,0.2\n0.08,0.");
+    let rows: String = (0..30).map(|k| format!("{},0.0{},0.{k}\n", 0.02 * f64::from(k), 1 + k % 2)).collect();
+    let rows = format!("t_s,u_rad,q_rad_s\n{rows}");
+    let (whole, cut) = (good(&rows), good(&format!("{rows}0.6,0.")));
     assert_eq!(cut.t, whole.t);
     assert_eq!(
         notes(&cut, NoteKind::Missing),
-        ["line 6, the last, is cut off after 2 of 3 fields and was left out"]
+        ["line 32, the last, is cut off after 2 of 3 fields and was left out"]
     );
 }
 
