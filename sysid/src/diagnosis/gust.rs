@@ -5,6 +5,7 @@
 //! than backgrounds have, and the likelihood needs it beside a band-passed one, or there is more than any background has. A
 //! background of another colour, or of a strength that wanders, is a fact about the day, and no gust.
 
+use super::excerpt::excerpt;
 use super::posterior::chance;
 use super::prior::{FURTHER_TERM, NAMED};
 use crate::catalogue::CATALOGUE;
@@ -81,7 +82,9 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     if OVER * strength(&disturbance) * sensor_noise(problem, fit)? < MILD * problem.sizes.moment {
         return None;
     }
-    let (background, fit) = without_and_with(problem, fit, &disturbance)?;
+    let alone = band_passes(problem, fit);
+    let without = fit;
+    let fit = with_gust(problem, without, &alone, &disturbance)?;
     let own = fit.own_range(problem, fit.effects.len() - 1);
     let [relative, time] = [fit.minimum.values[own.start], fit.minimum.values[own.start + 1]];
     let sigma = relative * sensor_noise(problem, &fit)?;
@@ -98,13 +101,14 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
         return None;
     }
 
-    let gain = (background.criterion() - fit.criterion()) / information.divisor(own.clone());
-    let penalty = own.len() as f64 * (problem.count() as f64).ln();
-    let by_likelihood = 0.5 * (gain - penalty) + (FURTHER_TERM * NAMED / CATALOGUE.len() as f64).ln();
     let score = (ratio - BACKGROUND_RATIO.ln()) / error_of_ratio(problem, &fit, &information);
     if score < LEAST_SCORE {
         return None;
     }
+    let background = without_gust(problem, without, &alone)?;
+    let gain = (background.criterion() - fit.criterion()) / information.divisor(own.clone());
+    let penalty = own.len() as f64 * (problem.count() as f64).ln();
+    let by_likelihood = 0.5 * (gain - penalty) + (FURTHER_TERM * NAMED / CATALOGUE.len() as f64).ln();
     let by_ratio = ratio > LEAST_RATIO.ln();
     let (log_evidence, p_value) = if by_likelihood > 0.0 {
         (by_likelihood, chance(gain, own.len()))
@@ -141,36 +145,38 @@ fn without_background(problem: &Problem<'_>, fit: &Fit) -> Fit {
     fit
 }
 
-/// `fit` with a background that has no slow part, and that with a gust beside it.
-fn without_and_with(problem: &Problem<'_>, fit: &Fit, disturbance: &Disturbance) -> Option<(Fit, Fit)> {
+/// The values of `fit` with backgrounds that have no slow part: its own without it, and one that resonates.
+fn band_passes(problem: &Problem<'_>, fit: &Fit) -> [Vec<f64>; 2] {
     let noise = problem.noise_range();
     let mut own = fit.minimum.values.clone();
     own[noise.start + 3] = NO_SLOW_PART.0;
     let mut resonant = own.clone();
     resonant[noise][1..4].copy_from_slice(&problem.resonance());
-    let alone = [own, resonant];
+    [own, resonant]
+}
+
+/// `fit` with a gust beside a background without a slow part, from each of `alone`.
+fn with_gust(problem: &Problem<'_>, fit: &Fit, alone: &[Vec<f64>], disturbance: &Disturbance) -> Option<Fit> {
     let slow = disturbance.spectrum(LOW_BAND[0]).sqrt();
     let beside =
         |start: &Vec<f64>| TIMES.map(|time| [&start[..], &[slow / (2.0 * time).sqrt(), time]].concat());
-    let both: Vec<Vec<f64>> = alone.iter().flat_map(beside).collect();
+    let starts: Vec<Vec<f64>> = alone.iter().flat_map(beside).collect();
+    lowest_of_band_passed(problem, &[&fit.effects[..], &[&SlowMoment]].concat(), &starts)
+}
+
+/// `fit` with a background of two poles or of three that has no slow part, whichever is more likely, from each of `alone`.
+fn without_gust(problem: &Problem<'_>, fit: &Fit, alone: &[Vec<f64>]) -> Option<Fit> {
     let rolled: Vec<Vec<f64>> =
         alone.iter().flat_map(|start| ROLL_OFFS.map(|time| [&start[..], &[time]].concat())).collect();
-    let with = |term: &'static dyn Effect| [&fit.effects[..], &[term]].concat();
-    let (gust, (two, three)) = rayon::join(
-        || lowest_of_band_passed(problem, &with(&SlowMoment), &both),
-        || {
-            rayon::join(
-                || lowest_of_band_passed(problem, &fit.effects, &alone),
-                || lowest_of_band_passed(problem, &with(&RollOff), &rolled),
-            )
-        },
+    let (two, three) = rayon::join(
+        || lowest_of_band_passed(problem, &fit.effects, alone),
+        || lowest_of_band_passed(problem, &[&fit.effects[..], &[&RollOff]].concat(), &rolled),
     );
     let better = |a: Fit, b: Fit| if b.criterion() < a.criterion() { b } else { a };
-    let without = match (two, three) {
-        (Some(two), Some(three)) => better(two, three),
-        (two, three) => two.or(three)?,
-    };
-    Some((without, gust?))
+    match (two, three) {
+        (Some(two), Some(three)) => Some(better(two, three)),
+        (two, three) => two.or(three),
+    }
 }
 
 /// The unknowns, the background's zero held at that of a band pass.
@@ -180,12 +186,20 @@ fn band_passed(problem: &Problem<'_>, effects: &[&'static dyn Effect]) -> Vec<Co
     coordinates
 }
 
-/// The lowest of the fits from `starts`.
+/// The lowest of the fits from `starts`; which start leads there, an excerpt of long data says.
 fn lowest_of_band_passed(
     problem: &Problem<'_>,
     effects: &[&'static dyn Effect],
     starts: &[Vec<f64>],
 ) -> Option<Fit> {
+    if let Some(excerpt) = excerpt(problem.data) {
+        let lowest = lowest_of(&problem.in_part(&excerpt), effects, starts)?;
+        return lowest_of(problem, effects, &[lowest.minimum.values]);
+    }
+    lowest_of(problem, effects, starts)
+}
+
+fn lowest_of(problem: &Problem<'_>, effects: &[&'static dyn Effect], starts: &[Vec<f64>]) -> Option<Fit> {
     let coordinates = band_passed(problem, effects);
     let residuals = |values: &[f64]| problem.prediction_errors(effects, values);
     let fit = |start: &Vec<f64>| {

@@ -107,7 +107,7 @@ pub fn minimize(
         }
         let Some((candidate, next)) = improved else {
             if updated {
-                jacobian = search.slopes(&z, &current);
+                search.renew(&mut jacobian, &z, &current);
                 updated = false;
                 continue;
             }
@@ -124,7 +124,7 @@ pub fn minimize(
         }
         if settled || drop < TRUSTED * -predicted {
             (z, current, updated) = (candidate, next, false);
-            jacobian = search.slopes(&z, &current);
+            search.renew(&mut jacobian, &z, &current);
         } else {
             broyden(&mut jacobian, &hessian, &step, &current.residuals, &next.residuals);
             (z, current, updated) = (candidate, next, true);
@@ -255,6 +255,12 @@ impl Search<'_> {
 
     pub(super) fn jacobian(&self, z: &DVector<f64>, at: &Evaluation) -> Vec<Vec<Output>> {
         (0..z.len()).into_par_iter().map(|i| self.column(z, at, i)).collect()
+    }
+
+    /// Puts the slopes at `z` in the place of others: two sets of a long recording's would be hundreds of megabytes.
+    fn renew(&self, slopes: &mut Vec<Vec<Output>>, z: &DVector<f64>, at: &Evaluation) {
+        slopes.clear();
+        *slopes = self.slopes(z, at);
     }
 
     /// The same, nothing for what is held: a long recording has a column of megabytes for each.
