@@ -1,6 +1,7 @@
 //! What every method takes: the runs of one or more recordings, each on a uniform grid without a gap.
 
 use crate::error::{Error, ErrorKind};
+use crate::moving_mean::MovingMean;
 use crate::recording::{InputHold, InputUnit, Recording};
 use core::ops::Range;
 
@@ -19,6 +20,8 @@ pub struct Run {
     pub held: bool,
     /// Input, in its unit.
     pub u: Vec<f64>,
+    /// What it does between the rows, where several samples were averaged into one.
+    pub between: Option<MovingMean>,
     /// Measured outputs: pitch rate in rad/s and pitch angle in rad, each if the data set has it.
     pub rate: Option<Vec<f64>>,
     /// See `rate`.
@@ -210,6 +213,7 @@ impl Dataset {
                     step: recording.step,
                     held: recording.input_hold == InputHold::Held,
                     u: cut(&recording.u),
+                    between: None,
                     rate: recording.q.as_deref().filter(|_| has_rate).map(cut),
                     angle: recording.theta.as_deref().filter(|_| has_angle).map(cut),
                     rate_limit: recording.q.as_deref().map_or(f64::INFINITY, rate_limit),
@@ -321,6 +325,12 @@ impl Dataset {
 }
 
 impl Run {
+    /// Takes `level` off the input.
+    pub fn lower_input(&mut self, level: f64) {
+        self.u.iter_mut().for_each(|u| *u -= level);
+        self.between = self.between.as_ref().map(|mean| mean.less(level));
+    }
+
     /// The run with blocks of `factor` samples averaged; outputs by the trapezoidal rule, so that they and the held input
     /// are averaged over the same time. The averaged input changes in ramps: it is interpolated.
     fn averaged(&self, factor: usize) -> Self {
@@ -332,6 +342,7 @@ impl Run {
             let half_ends = |b: usize| 0.5 * (x[(b + 1) * factor] - x[b * factor]);
             held(x).iter().enumerate().map(|(b, mean)| mean + half_ends(b) / factor as f64).collect()
         };
+        let input = MovingMean::new(&self.u, factor, self.held);
         let rows = |r: &Range<usize>| r.start.div_ceil(factor)..(r.end / factor).min(blocks);
         Self {
             recording: self.recording,
@@ -339,7 +350,8 @@ impl Run {
             start: self.start + 0.5 * factor as f64 * self.step,
             step: factor as f64 * self.step,
             held: false,
-            u: if self.held { held(&self.u) } else { sampled(&self.u) },
+            u: input.rows()[..blocks].to_vec(),
+            between: Some(input),
             rate: self.rate.as_deref().map(sampled),
             angle: self.angle.as_deref().map(sampled),
             rate_limit: f64::INFINITY,

@@ -36,6 +36,7 @@ pub mod likelihood;
 mod linalg;
 pub mod model;
 pub mod monitor;
+pub mod moving_mean;
 pub mod optim;
 pub mod progress;
 pub mod recording;

@@ -21,6 +21,7 @@ fn run(u: Vec<f64>) -> Run {
         start: 0.0,
         step: STEP,
         held: true,
+        between: None,
         rate: Some(vec![0.0; u.len()]),
         angle: Some(vec![0.0; u.len()]),
         rate_limit: f64::INFINITY,

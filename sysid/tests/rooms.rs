@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Rooms from the bottom up; those of one row may use each other.
 const ROOMS: [&[&str]; 10] = [
-    &["error", "estimate", "files", "legal", "linalg", "progress", "toml_file"],
+    &["error", "estimate", "files", "legal", "linalg", "moving_mean", "progress", "toml_file"],
     &["recording"],
     &["dataset"],
     &["held_out"],

@@ -1,10 +1,11 @@
 //! Several recordings, long ones, fast ones: more data never make the answer worse.
 
+use host_sim::sensors::Noise;
 use host_sim::{Background, Bench, Plant, Table, dirt};
 use sysid::diagnosis::answer::{Answer, Verdict};
 use sysid::recording::Recording;
 
-use crate::{ask, bench, effect, estimate, ids, logged, model_of, read};
+use crate::{ask, bench, effect, estimate, ids, is_right, logged, model_of, read};
 
 fn with_friction(seed: u64, background: Background) -> Table {
     let friction = effect("coulomb_friction", &[("Mc", 0.1)]);
@@ -89,6 +90,26 @@ fn a_log_that_is_faster_than_the_motion_is_thinned_said_so_and_answers_alike() {
     assert!(late.ci95[0] <= -0.009 && -0.009 <= late.ci95[1], "{late:?}");
     let [of_fast, of_slow] = [&answer, &slow].map(|answer| estimate(answer, "coulomb_friction", "Mc"));
     assert!(of_slow.ci95[0] <= of_fast.value && of_fast.value <= of_slow.ci95[1]);
+}
+
+/// Means of a switching input go up and down in ramps whose corners lie between the rows.
+#[test]
+fn a_test_logged_faster_than_it_moves_leaves_nothing_at_its_switches() {
+    let plant = Plant::nominal().rigid();
+    for (seed, sample_s) in [(31, 0.004), (32, 0.002), (33, 0.001)] {
+        let quiet = Noise { q_rad_s: 0.004, theta_rad: 0.001, ..Noise::default() };
+        let still =
+            Bench { plant, sample_s, background: Background::Clean, noise: quiet, ..bench(seed, vec![]) };
+        let recording = read(&logged(&still));
+        let mut model = model_of(&plant, Vec::new());
+        let answer = ask(std::slice::from_ref(&recording), Some(&model)).answer;
+        assert_eq!(answer.verdict, Verdict::NoMismatch, "{sample_s}");
+        model.plant.delay_s = None;
+        let answer = ask(&[recording], Some(&model)).answer;
+        assert_eq!(answer.verdict, Verdict::NoMismatch, "{sample_s}");
+        let delay = answer.fit.extended.parameters.iter().find(|p| p.name == "delay").expect("it is free");
+        assert!(is_right(delay, plant.delay_s, 0.02), "{sample_s}: {delay:?}");
+    }
 }
 
 #[test]

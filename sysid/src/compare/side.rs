@@ -76,7 +76,7 @@ pub fn posed(recordings: &[Recording], model: Option<&ModelFile>) -> Result<(Dat
     let mut data = Dataset::new(recordings)?;
     let count = data.samples().max(1) as f64;
     let mean = data.runs.iter().flat_map(|run| &run.u).sum::<f64>() / count;
-    data.runs.iter_mut().flat_map(|run| &mut run.u).for_each(|u| *u -= mean);
+    data.runs.iter_mut().for_each(|run| run.lower_input(mean));
     let baseline = Baseline { delay_free: true, ..Baseline::new(model, &data)? };
     Ok((data, baseline, mean))
 }

@@ -48,6 +48,7 @@ fn cut(run: &Run, rows: Range<usize>) -> Run {
     Run {
         start: run.time(rows.start),
         u: run.u[rows.clone()].to_vec(),
+        between: run.between.as_ref().map(|mean| mean.cut(rows.clone())),
         rate: of(&run.rate),
         angle: of(&run.angle),
         beside: Beside {

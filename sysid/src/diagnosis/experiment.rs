@@ -97,6 +97,7 @@ fn fly(
         supervised: vec![false; count],
         sections: Vec::new(),
         u: excitation,
+        between: None,
     };
     let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
     let model = problem.model(&unpacked, run.step)?;

@@ -129,6 +129,7 @@ pub fn at_rest(whole: &Run, u: Vec<f64>) -> Run {
         origin: 0.0,
         start: 0.0,
         u,
+        between: None,
         rate: zeros(&whole.rate),
         angle: zeros(&whole.angle),
         rate_limit: f64::INFINITY,

@@ -351,8 +351,7 @@ impl<'a> PitchModel<'a> {
             } else {
                 Shift::new(delay, i, self.substeps, self.step, run.held)
             };
-            at.command = shift.apply(&run.u, k);
-            at.command_ends = shift.ends(&run.u, k);
+            (at.command_ends, at.command) = shift.apply(run, k);
             let control = self.plant.dm_du * self.actuated(point, &at);
             let mut forced = self.terms.iter().map(|term| term.effect.forcing(term.values, &at)).sum::<f64>();
             if self.within_sample {

@@ -1,5 +1,7 @@
 //! The input, delayed by any share of a sample.
 
+use crate::dataset::Run;
+
 /// Where the delayed input of one substep stands, relative to the row at hand.
 #[derive(Clone, Copy)]
 pub struct Shift {
@@ -12,8 +14,8 @@ pub struct Shift {
 }
 
 impl Shift {
-    /// For substep `i` of `substeps`: the mean over the substep where the input is held, its value in the middle where
-    /// it is interpolated.
+    /// For substep `i` of `substeps`: the mean over the substep where the input is held, or known between the rows; its value in
+    /// the middle where it is interpolated.
     pub fn new(delay: f64, i: usize, substeps: usize, step: f64, held: bool) -> Self {
         let length = 1.0 / substeps as f64;
         let begin = i as f64 * length - delay / step;
@@ -34,13 +36,21 @@ impl Shift {
         Self { held, rows, share, ends }
     }
 
-    /// The input; before its first row and after its last as it is there.
-    pub fn apply(&self, u: &[f64], k: usize) -> f64 {
+    /// The input of `run` at the beginning and at the end of the substep, and over it; before its first row and after its last
+    /// as it is there.
+    pub fn apply(&self, run: &Run, k: usize) -> ([f64; 2], f64) {
+        let place = |(rows, share): (isize, f64)| (k as isize + rows, share);
+        match &run.between {
+            Some(mean) => mean.between(self.ends.map(place)),
+            None => (self.ends(&run.u, k), self.over(&run.u, k)),
+        }
+    }
+
+    fn over(&self, u: &[f64], k: usize) -> f64 {
         self.between(u, k as isize + self.rows, self.share)
     }
 
-    /// The input at the beginning and at the end of the substep.
-    pub fn ends(&self, u: &[f64], k: usize) -> [f64; 2] {
+    fn ends(&self, u: &[f64], k: usize) -> [f64; 2] {
         self.ends.map(|(rows, share)| self.between(u, k as isize + rows, share))
     }
 
@@ -99,7 +109,7 @@ mod tests {
         let tone = |k: f64| (std::f64::consts::TAU * k / 9.0).sin();
         let u: Vec<f64> = (0..60).map(|k| tone(f64::from(k))).collect();
         let polygon = |held: bool, k: usize| -> f64 {
-            (0..8).map(|i| Shift::new(0.0, i, 8, 1.0, held).apply(&u, k)).sum::<f64>() / 8.0
+            (0..8).map(|i| Shift::new(0.0, i, 8, 1.0, held).over(&u, k)).sum::<f64>() / 8.0
         };
         let gain = |held: bool| {
             let exact = |k: usize| {

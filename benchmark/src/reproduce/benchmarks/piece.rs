@@ -32,6 +32,7 @@ impl Piece {
             start: recording.t[rows.start],
             step: recording.step / finer as f64,
             held,
+            between: None,
             u: (0..all).map(fine).collect(),
             rate: None,
             angle: None,

@@ -54,6 +54,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         start: 0.0,
         step: STEP,
         held: true,
+        between: None,
         u: Vec::new(),
         rate: empty(),
         angle: empty(),

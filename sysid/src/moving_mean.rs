@@ -1,0 +1,150 @@
+//! An input that was averaged to fewer rows, with what it does between them.
+//!
+//! The mean of a switching input over the time of a row goes up and down in ramps whose corners lie anywhere. Straight lines from
+//! row to row round them off: after every switch a rate computed from these is wrong for one row by up to an eighth of what it
+//! gains within a row, which a sensor with little noise shows.
+
+use core::ops::Range;
+
+/// The mean of an input over the time of a row, at every sample that it had before it was averaged:
+///
+/// ```text
+/// ū(t) = 1/(n h) ∫ u dt from t − n h/2 to t + n h/2,    n samples of h s in a row
+/// ```
+///
+/// That of a held input goes in straight lines from sample to sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MovingMean {
+    /// n.
+    per_row: usize,
+    /// ū, the first at the first row.
+    nodes: Vec<f64>,
+    /// ∫ ū dt from the first node to each, in units of h.
+    integral: Vec<f64>,
+}
+
+impl MovingMean {
+    /// Of an input of at least `per_row` samples, held over each or interpolated between them.
+    #[must_use]
+    pub fn new(u: &[f64], per_row: usize, held: bool) -> Self {
+        let n = per_row as f64;
+        let whole = u.windows(per_row).map(|row| row.iter().sum::<f64>() / n);
+        let nodes: Vec<f64> = if held {
+            whole.collect()
+        } else {
+            let half_ends = |k: usize| 0.5 * (u[k + per_row] - u[k]) / n;
+            whole.take(u.len() - per_row).enumerate().map(|(k, mean)| mean + half_ends(k)).collect()
+        };
+        Self::of_nodes(nodes, per_row)
+    }
+
+    fn of_nodes(nodes: Vec<f64>, per_row: usize) -> Self {
+        let mut integral = vec![0.0; nodes.len()];
+        for k in 1..nodes.len() {
+            integral[k] = integral[k - 1] + 0.5 * (nodes[k - 1] + nodes[k]);
+        }
+        Self { per_row, nodes, integral }
+    }
+
+    /// ū in the middle of each row.
+    #[must_use]
+    pub fn rows(&self) -> Vec<f64> {
+        self.nodes.iter().step_by(self.per_row).copied().collect()
+    }
+
+    /// The same of the rows `rows` alone.
+    #[must_use]
+    pub fn cut(&self, rows: Range<usize>) -> Self {
+        let nodes = rows.start * self.per_row..(rows.end * self.per_row).min(self.nodes.len());
+        Self::of_nodes(self.nodes[nodes].to_vec(), self.per_row)
+    }
+
+    /// The same of an input that is less by `level`.
+    #[must_use]
+    pub fn less(&self, level: f64) -> Self {
+        Self::of_nodes(self.nodes.iter().map(|u| u - level).collect(), self.per_row)
+    }
+
+    /// ū at two places, and its mean between them. A place is a row, and a share of the time to the next; before the first node
+    /// and after the last ū is as it is there.
+    #[must_use]
+    pub fn between(&self, places: [(isize, f64); 2]) -> ([f64; 2], f64) {
+        let [from, to] = places.map(|(row, share)| self.reach(row, share));
+        let rows = (places[1].0 - places[0].0) as f64 + places[1].1 - places[0].1;
+        ([from.0, to.0], (to.1 - from.1) / (rows * self.per_row as f64))
+    }
+
+    /// ū and its integral at a place.
+    fn reach(&self, row: isize, share: f64) -> (f64, f64) {
+        let within = share * self.per_row as f64;
+        let node = row * self.per_row as isize + within as isize;
+        let last = self.nodes.len() - 1;
+        if node < 0 {
+            return (self.nodes[0], self.nodes[0] * (row as f64 * self.per_row as f64 + within));
+        }
+        let k = (node as usize).min(last);
+        let beyond = within.fract() + (node as usize - k) as f64;
+        let slope = if k < last { self.nodes[k + 1] - self.nodes[k] } else { 0.0 };
+        let value = self.nodes[k] + slope * beyond;
+        (value, self.integral[k] + 0.5 * (self.nodes[k] + value) * beyond)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// ∫ of the held input from its start to `x` samples.
+    fn area(u: &[f64], x: f64) -> f64 {
+        u.iter().enumerate().map(|(k, u)| u * (x - k as f64).clamp(0.0, 1.0)).sum()
+    }
+
+    proptest! {
+        #[test]
+        fn the_mean_of_a_held_input_is_exact_anywhere(
+            u in prop::collection::vec(-1.0_f64..1.0, 40..60), per_row in 2_usize..7, row in 1_isize..4, begin in 0.0_f64..1.0,
+            length in 0.05_f64..1.0,
+        ) {
+            let mean = MovingMean::new(&u, per_row, true);
+            let n = per_row as f64;
+            let end = begin + length;
+            let places = [(row, begin), (row + end.floor() as isize, end.fract())];
+            let ([at_begin, _], between) = mean.between(places);
+            // the mean over the row whose middle lies there
+            let direct = |place: f64| {
+                let from = (row as f64 + place) * n;
+                (area(&u, from + n) - area(&u, from)) / n
+            };
+            prop_assert!((at_begin - direct(begin)).abs() < 1e-12);
+            let steps = 4000;
+            let sum: f64 = (0..steps).map(|i| direct(begin + length * (f64::from(i) + 0.5) / f64::from(steps))).sum();
+            prop_assert!((between - sum / f64::from(steps)).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn rows_are_the_means_and_a_part_is_the_same_where_it_lies() {
+        let u: Vec<f64> = (0..40).map(|k| f64::from(k * k % 17)).collect();
+        let mean = MovingMean::new(&u, 4, true);
+        assert_eq!(mean.rows()[3], (u[12] + u[13] + u[14] + u[15]) / 4.0);
+        let part = mean.cut(3..7);
+        assert_eq!(part.rows(), mean.rows()[3..7]);
+        let (there, here) = (mean.between([(4, 0.3), (5, 0.2)]), part.between([(1, 0.3), (2, 0.2)]));
+        assert_eq!(there.0, here.0);
+        assert!((there.1 - here.1).abs() < 1e-12);
+        assert!((mean.less(2.0).between([(4, 0.3), (5, 0.2)]).1 - (there.1 - 2.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn outside_it_is_as_at_the_ends() {
+        let u = [1.0, 1.0, 2.0, 3.0, 5.0, 5.0];
+        for held in [true, false] {
+            let mean = MovingMean::new(&u, 2, held);
+            let last = mean.nodes[mean.nodes.len() - 1];
+            let (before, after) = (mean.between([(-3, 0.4), (-2, 0.9)]), mean.between([(7, 0.4), (9, 0.0)]));
+            assert_eq!((before.0, after.0), ([mean.nodes[0]; 2], [last; 2]));
+            assert!((before.1 - mean.nodes[0]).abs() < 1e-12 && (after.1 - last).abs() < 1e-12);
+        }
+    }
+}
