@@ -20,7 +20,7 @@ pub struct Run {
     pub held: bool,
     /// Input, in its unit.
     pub u: Vec<f64>,
-    /// What it does between the rows, where several samples were averaged into one.
+    /// What it does between the rows, where several samples were averaged into one and it keeps a value for longer.
     pub between: Option<MovingMean>,
     /// Measured outputs: pitch rate in rad/s and pitch angle in rad, each if the data set has it.
     pub rate: Option<Vec<f64>>,
@@ -331,6 +331,13 @@ impl Run {
         self.between = self.between.as_ref().map(|mean| mean.less(level));
     }
 
+    /// Whether the input keeps a value for `samples` or more in the mean. One that changes faster may answer the motion within a
+    /// row, and is no cause of what it answers.
+    fn holds_longer_than(&self, samples: usize) -> bool {
+        let changes = self.u.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        changes * samples <= self.len()
+    }
+
     /// The run with blocks of `factor` samples averaged; outputs by the trapezoidal rule, so that they and the held input
     /// are averaged over the same time. The averaged input changes in ramps: it is interpolated.
     fn averaged(&self, factor: usize) -> Self {
@@ -351,7 +358,7 @@ impl Run {
             step: factor as f64 * self.step,
             held: false,
             u: input.rows()[..blocks].to_vec(),
-            between: Some(input),
+            between: self.holds_longer_than(factor).then_some(input),
             rate: self.rate.as_deref().map(sampled),
             angle: self.angle.as_deref().map(sampled),
             rate_limit: f64::INFINITY,

@@ -26,6 +26,7 @@ mod count {
     use estimator_core::{Command, Config, Cycle, CycleState, Input, Sample};
     use firmware::pitch_filter::{Motion, PitchFilter};
     use firmware::servo::ServoConfig;
+    use firmware::watch::Watch;
     use stm32f4xx_hal as _;
 
     const FULL: u32 = 0x00ff_ffff;
@@ -150,6 +151,25 @@ mod count {
         monitor.step(state, seen)
     }
 
+    /// The longest for which the link holds the control cycle back (`board/link.rs`), whatever arrives: it copies the taps, begins a
+    /// test, or begins to watch.
+    fn held_back(counter: &mut SYST) {
+        let Ok(cycle) = Config::default().build::<MAX_TAPS>() else { return };
+        let (mut kept, mut state) = (cycle, cycle.initial_state());
+        let taps = ticks(counter, || {
+            black_box(*black_box(&state).taps());
+        });
+        let start = ticks(counter, || {
+            kept = *black_box(&cycle);
+            state = kept.initial_state();
+        });
+        black_box((&kept, &state));
+        let (mut watch, config, model) = (Watch::default(), MonitorConfig::default(), model());
+        let arm = ticks(counter, || watch.begin(black_box(&config), Some(black_box(&model))));
+        black_box(&watch);
+        hprintln!("held_back {}", instructions(taps.max(start).max(arm)));
+    }
+
     fn one(
         cycle: &Cycle<MAX_TAPS>,
         state: &mut CycleState<MAX_TAPS>,
@@ -174,6 +194,7 @@ mod count {
             [16, 32, 50, 64, 128, 256].into_iter().for_each(|taps| nlms(&mut counter, taps));
             cycle(&mut counter);
             monitor(&mut counter);
+            held_back(&mut counter);
             hprintln!(
                 "core_state_bytes {}",
                 size_of::<Cycle<MAX_TAPS>>() + size_of::<CycleState<MAX_TAPS>>()
