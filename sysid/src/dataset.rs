@@ -349,7 +349,6 @@ impl Run {
             let half_ends = |b: usize| 0.5 * (x[(b + 1) * factor] - x[b * factor]);
             held(x).iter().enumerate().map(|(b, mean)| mean + half_ends(b) / factor as f64).collect()
         };
-        let input = MovingMean::new(&self.u, factor, self.held);
         let rows = |r: &Range<usize>| r.start.div_ceil(factor)..(r.end / factor).min(blocks);
         Self {
             recording: self.recording,
@@ -357,8 +356,8 @@ impl Run {
             start: self.start + 0.5 * factor as f64 * self.step,
             step: factor as f64 * self.step,
             held: false,
-            u: input.rows()[..blocks].to_vec(),
-            between: self.holds_longer_than(factor).then_some(input),
+            u: if self.held { held(&self.u) } else { sampled(&self.u) },
+            between: self.holds_longer_than(factor).then(|| MovingMean::new(&self.u, factor, self.held)),
             rate: self.rate.as_deref().map(sampled),
             angle: self.angle.as_deref().map(sampled),
             rate_limit: f64::INFINITY,

@@ -24,7 +24,7 @@ pub struct MovingMean {
 }
 
 impl MovingMean {
-    /// Of an input of at least `per_row` samples, held over each or interpolated between them.
+    /// Of an input of more than `per_row` samples (fewer make no row), held over each or interpolated between them.
     #[must_use]
     pub fn new(u: &[f64], per_row: usize, held: bool) -> Self {
         let n = per_row as f64;
@@ -33,7 +33,11 @@ impl MovingMean {
             whole.collect()
         } else {
             let half_ends = |k: usize| 0.5 * (u[k + per_row] - u[k]) / n;
-            whole.take(u.len() - per_row).enumerate().map(|(k, mean)| mean + half_ends(k)).collect()
+            whole
+                .take(u.len().saturating_sub(per_row))
+                .enumerate()
+                .map(|(k, mean)| mean + half_ends(k))
+                .collect()
         };
         Self::of_nodes(nodes, per_row)
     }
@@ -44,12 +48,6 @@ impl MovingMean {
             integral[k] = integral[k - 1] + 0.5 * (nodes[k - 1] + nodes[k]);
         }
         Self { per_row, nodes, integral }
-    }
-
-    /// ū in the middle of each row.
-    #[must_use]
-    pub fn rows(&self) -> Vec<f64> {
-        self.nodes.iter().step_by(self.per_row).copied().collect()
     }
 
     /// The same of the rows `rows` alone.
@@ -95,6 +93,11 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// ū in the middle of each row.
+    fn rows(mean: &MovingMean) -> Vec<f64> {
+        mean.nodes.iter().step_by(mean.per_row).copied().collect()
+    }
+
     /// ∫ of the held input from its start to `x` samples.
     fn area(u: &[f64], x: f64) -> f64 {
         u.iter().enumerate().map(|(k, u)| u * (x - k as f64).clamp(0.0, 1.0)).sum()
@@ -127,13 +130,20 @@ mod tests {
     fn rows_are_the_means_and_a_part_is_the_same_where_it_lies() {
         let u: Vec<f64> = (0..40).map(|k| f64::from(k * k % 17)).collect();
         let mean = MovingMean::new(&u, 4, true);
-        assert_eq!(mean.rows()[3], (u[12] + u[13] + u[14] + u[15]) / 4.0);
+        assert_eq!(rows(&mean)[3], (u[12] + u[13] + u[14] + u[15]) / 4.0);
         let part = mean.cut(3..7);
-        assert_eq!(part.rows(), mean.rows()[3..7]);
+        assert_eq!(rows(&part), rows(&mean)[3..7]);
         let (there, here) = (mean.between([(4, 0.3), (5, 0.2)]), part.between([(1, 0.3), (2, 0.2)]));
         assert_eq!(there.0, here.0);
         assert!((there.1 - here.1).abs() < 1e-12);
         assert!((mean.less(2.0).between([(4, 0.3), (5, 0.2)]).1 - (there.1 - 2.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn less_than_a_row_makes_none() {
+        for held in [true, false] {
+            assert!(MovingMean::new(&[1.0, 2.0], 5, held).nodes.is_empty());
+        }
     }
 
     #[test]

@@ -257,17 +257,17 @@ impl Search<'_> {
         (0..z.len()).into_par_iter().map(|i| self.column(z, at, i)).collect()
     }
 
-    /// Puts the slopes at `z` in the place of others: two sets of a long recording's would be hundreds of megabytes.
-    fn renew(&self, slopes: &mut Vec<Vec<Output>>, z: &DVector<f64>, at: &Evaluation) {
-        slopes.clear();
-        *slopes = self.slopes(z, at);
-    }
-
     /// The same, nothing for what is held: a long recording has a column of megabytes for each.
     fn slopes(&self, z: &DVector<f64>, at: &Evaluation) -> Vec<Vec<Output>> {
         let held = |i: usize| self.coordinates[i].bounds[0] == self.coordinates[i].bounds[1];
         let column = |i| if held(i) { Vec::new() } else { self.column(z, at, i) };
         (0..z.len()).into_par_iter().map(column).collect()
+    }
+
+    /// Puts the slopes at `z` in the place of others: two sets of a long recording's would be hundreds of megabytes.
+    fn renew(&self, slopes: &mut Vec<Vec<Output>>, z: &DVector<f64>, at: &Evaluation) {
+        slopes.clear();
+        *slopes = self.slopes(z, at);
     }
 
     /// d e / d z_i by a forward difference, stepping away from a bound that is near; zero for a coordinate that is
