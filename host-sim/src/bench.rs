@@ -34,7 +34,7 @@ pub struct Bench {
     pub works_s: [f64; 2],
     /// Unit of the input in its column's name: `rad`, `pct`, `V`, `N_m`, `N` or `norm`.
     pub unit: &'static str,
-    /// Whether the input runs straight from sample to sample instead of being held.
+    /// Whether the input goes its own way between the samples, as one that is measured does, instead of being held.
     pub interpolated: bool,
     /// Length, s.
     pub duration_s: f64,
@@ -150,7 +150,7 @@ impl Bench {
     fn shaken(&self, sigma: f64) -> Logged {
         let seeded = |stream| generator(self.seed, stream);
         let background = (sigma > 0.0).then(|| ColouredMoment::new(sigma, AIR, seeded(Stream::Background)));
-        // an input that runs straight is one that is held over many short ticks
+        // an input that goes its own way is one that is held over many short ticks
         let ticks = if self.interpolated { (self.sample_s / STEP_S).ceil().max(1.0) as u32 } else { 1 };
         let mut aircraft = Aircraft::new(self.plant, &self.effects, background, self.seed)
             .sampled_every(self.sample_s / f64::from(ticks), STEP_S)
@@ -164,7 +164,6 @@ impl Bench {
             if works { excitation.at(t - self.works_s[0].max(0.0), q) } else { 0.0 }
         };
         let mut log = Log::default();
-        let mut ahead = None;
         let rows = (self.duration_s / self.sample_s).round() as usize;
         for k in 0..rows {
             let t = k as f64 * self.sample_s;
@@ -176,16 +175,11 @@ impl Bench {
             let mut beside = aircraft.beside(t);
             self.noise.add_roll_yaw(&mut beside.roll_yaw, &mut of_others);
             log.states.push(aircraft.state());
-            let u = ahead.take().unwrap_or_else(|| sent(t, reading.q));
+            let u = sent(t, reading.q);
             log.row(t, u, [reading.q, reading.theta], beside);
-            if self.interpolated {
-                let next = sent(t + self.sample_s, reading.q);
-                for tick in 0..ticks {
-                    aircraft.advance(u + (next - u) * (f64::from(tick) + 0.5) / f64::from(ticks));
-                }
-                ahead = Some(next);
-            } else {
-                aircraft.advance(u);
+            for tick in 0..ticks {
+                let middle = t + self.sample_s * (f64::from(tick) + 0.5) / f64::from(ticks);
+                aircraft.advance(if self.interpolated { sent(middle, reading.q) } else { u });
             }
         }
         log.finish(self, aircraft.others(), sigma)
@@ -278,17 +272,23 @@ mod tests {
 
     #[test]
     fn the_rate_is_the_integral_of_the_input_as_it_runs_between_the_samples() {
-        for interpolated in [false, true] {
-            let input = Input::Tones { effective: 0.01, band_hz: [0.1, 1.0], count: 5 };
-            let bench = Bench { input, interpolated, sample_s: 0.15, duration_s: 30.0, ..quiet() };
-            let table = bench.run().unwrap().table;
-            let (u, q) = (table.column("u_rad").unwrap(), table.column("q_rad_s").unwrap());
-            let mut expected = 0.0;
-            for k in 1..u.len() {
-                let mean = if interpolated { (u[k - 1] + u[k]) / 2.0 } else { u[k - 1] };
-                expected += 0.15 * 23.0 * mean / 0.1705;
-                assert!((q[k] - expected).abs() < 1e-9, "{k}");
-            }
+        let input = Input::Tones { effective: 0.01, band_hz: [0.1, 1.0], count: 5 };
+        let flown = |interpolated: bool, sample_s: f64| {
+            let table =
+                Bench { input, interpolated, sample_s, duration_s: 30.0, ..quiet() }.run().unwrap().table;
+            [table.column("u_rad").unwrap().to_vec(), table.column("q_rad_s").unwrap().to_vec()]
+        };
+        let [u, q] = flown(false, 0.15);
+        let mut expected = 0.0;
+        for k in 1..u.len() {
+            expected += 0.15 * 23.0 * u[k - 1] / 0.1705;
+            assert!((q[k] - expected).abs() < 1e-9, "{k}");
+        }
+        let [_, fine] = flown(false, 0.001);
+        let [_, smooth] = flown(true, 0.15);
+        let largest = q.iter().fold(0.0, |most: f64, q| most.max(q.abs()));
+        for (k, smooth) in smooth.iter().enumerate() {
+            assert!((smooth - fine[150 * k]).abs() < 1e-2 * largest, "{k}: {smooth} {}", fine[150 * k]);
         }
     }
 
