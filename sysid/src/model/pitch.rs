@@ -404,8 +404,10 @@ impl<'a> PitchModel<'a> {
         if let Some(kicked) = kicked {
             point.x += kicked;
         }
-        let (corrected, corrected_rate) =
-            self.nonlinear(&((before + point.x) * 0.5), &point.own, driving, at);
+        let mut middle = (before + point.x) * 0.5;
+        // The chord cuts off an angle that swings: Hermite's cubic through both ends does not.
+        middle[THETA] += at.dt * (before[Q] - point.x[Q]) / 8.0;
+        let (corrected, corrected_rate) = self.nonlinear(&middle, &point.own, driving, at);
         point.x +=
             self.per_moment * (corrected - moment) + self.per_angle_rate * (corrected_rate - angle_rate);
         let (rate, angle) = self.measured;
