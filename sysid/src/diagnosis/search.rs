@@ -26,6 +26,8 @@ const UNSETTLED: f64 = -30.0;
 const CLOSE: f64 = 0.7;
 /// A descent may gain what its last step gained this many times more.
 const STEPS_TO_COME: f64 = 4.0;
+/// and a sketch this many times, of the steps that a fit to the end takes.
+const STEPS_TO_END: f64 = 20.0;
 /// Two descents of a candidate whose gains differ by less than this have come to the same place.
 const SAME_PLACE: f64 = 1.0;
 /// A candidate that promises less than this share of the best by its score is not tried,
@@ -83,7 +85,8 @@ pub fn fit_one_more(
     best.retain(|fit| {
         let same_class = leading.is_some() && class(fit) == leading;
         let far = if same_class { alike.max(lowest + HOPELESS) } else { lowest + HOPELESS };
-        fit.bic(problem) < needed.min(far)
+        // One that still falls has not been drawn to the end.
+        fit.bic(problem) - STEPS_TO_END * fit.minimum.drop < needed.min(far)
     });
     let mut fits: Vec<Fit> =
         best.par_iter().filter_map(|fit| refit(problem, &fit.effects, &fit.minimum.values)).collect();

@@ -58,6 +58,8 @@ pub struct Minimum {
     pub residuals: Vec<Output>,
     /// Whether the search settled within the allowed iterations.
     pub converged: bool,
+    /// By how much the last step lowered the criterion.
+    pub drop: f64,
 }
 
 /// What stops the search.
@@ -85,7 +87,7 @@ pub fn minimize(
     let mut z = search.inner(start);
     let mut current = search.evaluate(&z)?;
     let mut damping = 1e-3;
-    let mut converged = false;
+    let (mut converged, mut drop) = (false, 0.0);
     let mut jacobian = search.slopes(&z, &current);
     let mut updated = false;
     for _ in 0..effort.iterations {
@@ -114,7 +116,7 @@ pub fn minimize(
             converged = true;
             break;
         };
-        let drop = current.criterion - next.criterion;
+        drop = current.criterion - next.criterion;
         let step = &candidate - &z;
         let predicted = 2.0 * gradient.dot(&step) + (&hessian * &step).dot(&step);
         let settled = drop < effort.tolerance;
@@ -136,6 +138,7 @@ pub fn minimize(
         criterion: current.criterion,
         residuals: current.residuals,
         converged,
+        drop,
     })
 }
 
