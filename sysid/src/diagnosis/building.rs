@@ -9,7 +9,7 @@ use super::ceiling::ceilings;
 use super::component::{Component, components};
 use super::describe;
 use super::diagnose::Diagnosis;
-use super::estimates::estimates;
+use super::estimates::{estimates, reach};
 use super::experiment;
 use super::gust::Gust;
 use super::judgement::Judgement;
@@ -28,6 +28,7 @@ use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::scaled_shape::UNLISTED;
 use crate::catalogue::shapes::SHAPES;
 use crate::estimate::Estimate;
+use crate::likelihood::fit::{Fit, refit};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::{About, Effect, Locus};
 use crate::model::file::EffectEntry;
@@ -42,8 +43,13 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
     let Judgement { problem, parts, selection, rotation, .. } = judgement;
     let (baseline, extended) = (judgement.baseline(), judgement.extended());
     let fit = FitAnswer {
-        baseline: model_answer(problem, parts, &selection.visited[selection.baseline]),
-        extended: model_answer(problem, parts, &selection.visited[judgement.place]),
+        baseline: model_answer(problem, parts, &selection.visited[selection.baseline], None),
+        extended: model_answer(
+            problem,
+            parts,
+            &selection.visited[judgement.place],
+            judgement.names_alone().as_ref(),
+        ),
         held_out: rotation.parts.iter().map(|part| (part.label.clone(), held_out(part))).collect(),
         chosen_in: judgement.chosen_in(),
         ceiling_vaf_percent: ceilings(problem, parts),
@@ -93,14 +99,22 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
     }
 }
 
-/// A model's part of the answer.
-pub fn model_answer(problem: &Problem<'_>, parts: &[Part], model: &Visited) -> ModelAnswer {
+/// A model's part of the answer; the intervals reach to what `alone`, a fit with fewer terms, says too.
+pub fn model_answer(
+    problem: &Problem<'_>,
+    parts: &[Part],
+    model: &Visited,
+    alone: Option<&Fit>,
+) -> ModelAnswer {
     let (effects, values) = (&model.fit.effects, &model.fit.minimum.values);
     let of_parts: Vec<(String, Scores)> = parts
         .iter()
         .map(|part| (part.label.clone(), scores(problem, effects, values, &part.places)))
         .collect();
-    let all = estimates(problem, &model.fit, Some(&model.information));
+    let mut all = estimates(problem, &model.fit, Some(&model.information));
+    if let Some(alone) = alone {
+        reach(problem, &mut all, &model.fit, alone);
+    }
     let background: Vec<usize> = (0..effects.len())
         .filter(|&i| effects[i].is_background())
         .flat_map(|i| model.fit.own_range(problem, i))
@@ -128,6 +142,23 @@ fn held_out(part: &super::rotation::HeldOut) -> HeldOutAnswer {
 }
 
 impl Judgement<'_, '_> {
+    /// The named terms alone, fitted again, where something is left beside them.
+    fn names_alone(&self) -> Option<Fit> {
+        let fit = self.extended();
+        let rest: Vec<usize> =
+            self.small.iter().chain(&self.shapes).filter_map(|f| fit.position(f.effect.about().id)).collect();
+        if rest.is_empty() || self.named.is_empty() {
+            return None;
+        }
+        let kept = |i: &usize| !rest.contains(i);
+        let own = (0..fit.effects.len()).filter(kept).flat_map(|i| fit.own_range(self.problem, i));
+        let values: Vec<f64> =
+            (0..self.problem.noise_range().end).chain(own).map(|i| fit.minimum.values[i]).collect();
+        let effects: Vec<&'static dyn Effect> =
+            (0..fit.effects.len()).filter(kept).map(|i| fit.effects[i]).collect();
+        refit(self.problem, &effects, &values)
+    }
+
     /// What the data say of each term, in the order of the answer.
     fn components(&self) -> Vec<Component> {
         let mut all = components(self.problem, self.extended());

@@ -236,7 +236,7 @@ fn unanswered(
     fitted: Option<&Visited>,
     said: Unanswered,
 ) -> Diagnosis {
-    let model = || fitted.map(|fitted| model_answer(problem, parts, fitted)).unwrap_or_default();
+    let model = || fitted.map(|fitted| model_answer(problem, parts, fitted, None)).unwrap_or_default();
     let fit = FitAnswer {
         baseline: model(),
         extended: model(),

@@ -44,6 +44,21 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
     all
 }
 
+/// The intervals of `all`, those of `fit`, stretched to hold those of `alone`, a fit with some of its terms: what the others are
+/// told as, a curve or a further name, takes a share of these that no spread of the data shows.
+pub fn reach(problem: &Problem<'_>, all: &mut [Estimate], fit: &Fit, alone: &Fit) {
+    let others = estimates_of(problem, alone);
+    let shared = problem.noise_range().end;
+    let of_terms = alone.effects.iter().enumerate().flat_map(|(i, effect)| {
+        let own = fit.position(effect.about().id).map(|place| fit.own_range(problem, place));
+        own.into_iter().flatten().zip(alone.own_range(problem, i))
+    });
+    for (i, other) in (0..shared).map(|i| (i, i)).chain(of_terms) {
+        let (Estimate { ci95: [low, high], .. }, other) = (&mut all[i], &others[other].ci95);
+        (*low, *high) = (low.min(other[0]), high.max(other[1]));
+    }
+}
+
 /// The same for a fit of which nothing else is known.
 pub fn estimates_of(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
     estimates(problem, fit, Information::new(problem, fit, &[]).as_ref())

@@ -90,6 +90,27 @@ fn a_small_term_is_in_the_model_and_in_the_remainder() {
 }
 
 #[test]
+fn the_intervals_beside_a_remainder_reach_to_what_the_names_alone_say() {
+    let flight = sprung(2.0, 0.6);
+    let [name, ..] = sets();
+    let (with_rest, alone) = (built(&flight, &sets(), true), built(&flight, &[name], true));
+    assert!(alone.answer.effects.len() == 1 && alone.answer.remainder.is_none());
+    let physics = |diagnosis: &Diagnosis| diagnosis.answer.fit.extended.parameters.clone();
+    let (with_rest, alone) = (physics(&with_rest), physics(&alone));
+    for plain in &alone {
+        let reached = with_rest.iter().find(|estimate| estimate.name == plain.name).unwrap();
+        let [low, high] = reached.ci95;
+        assert!(low <= plain.value && plain.value <= high, "{reached:?} {plain:?}");
+    }
+    let damping = |all: &[Estimate]| all.iter().find(|e| e.name == "dM_dq").unwrap().value;
+    let (beside, alone) = (damping(&with_rest), damping(&alone));
+    assert!(
+        (beside - alone).abs() > 0.1 * alone.abs(),
+        "the drag has no part in the damping: {beside} {alone}"
+    );
+}
+
+#[test]
 fn a_term_without_a_name_is_written_with_the_coefficients_that_are_listed() {
     let of_theta = SHAPES.iter().find(|shape| shape.about().id == "of_theta").unwrap();
     let diagnosis = built(&sprung(2.0, 0.0), &[vec![*of_theta as &'static dyn Effect]], false);
