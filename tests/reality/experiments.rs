@@ -1,6 +1,7 @@
 //! Experiments as they are made: releases, steps, tails at rest, few samples per period, inputs that follow the motion.
 
 use host_sim::plant::State as Airframe;
+use host_sim::sensors::Noise;
 use host_sim::{Background, Bench, Input, Plant, dirt};
 use sysid::diagnosis::answer::Verdict;
 use sysid::diagnosis::data_checks::State;
@@ -70,6 +71,42 @@ cubic_stiffness! {
     a_cubic_stiffness_is_right_at_nine_samples_per_period 9.0 false
     a_cubic_stiffness_is_right_at_nine_samples_per_period_interpolated 9.0 true
     a_cubic_stiffness_is_right_at_twenty_samples_per_period 20.0 false
+}
+
+/// A light oscillator of 68 Hz of which nothing is known and only the angle is measured, nine samples a period: its resonance is
+/// far from anything that a craft does, and a fit that starts there has far to go.
+#[test]
+fn an_oscillator_that_nobody_described_is_found() {
+    let plant = Plant { inertia_kg_m2: 1.0, dm_dq: -42.0, dm_du: 1.86e5, delay_s: 0.0, mount: None };
+    let (gravity, k3) = (1.843e5, 7.6e5);
+    let oscillator = Bench {
+        plant,
+        effects: vec![
+            effect("gravity_stiffness", &[("G", gravity)]),
+            effect("cubic_stiffness", &[("k3", k3)]),
+        ],
+        input: Input::Tones { effective: 0.022, band_hz: [0.15, 200.0], count: 200 },
+        unit: "V",
+        interpolated: true,
+        works_s: [0.0, 10.0],
+        duration_s: 6.7,
+        sample_s: 1.0 / 610.35,
+        background: Background::None,
+        noise: Noise { theta_rad: 2e-4, ..Noise::none() },
+        ..Bench::new(4)
+    };
+    let options = ReadOptions { input_hold: InputHold::Interpolated, ..ReadOptions::default() };
+    let recording = read_with(&dirt::without(logged(&oscillator), "q_rad_s"), &options);
+    let answer = ask(&[recording], None).answer;
+    let mut found = ids(&answer);
+    found.sort_unstable();
+    assert_eq!((answer.verdict, found), (Verdict::Named, vec!["cubic_stiffness", "gravity_stiffness"]));
+    let (g, k) = (estimate(&answer, "gravity_stiffness", "G"), estimate(&answer, "cubic_stiffness", "k3"));
+    assert!((k.value / k3 - 1.0).abs() < 0.01, "{k:?}");
+    assert!((g.value / gravity - 1.0).abs() < 0.002, "{g:?}");
+    let told =
+        format!("Were the spring G theta instead of G sin(theta), k3 = {:.2e}", k.value - g.value / 6.0);
+    assert!(words(&answer).contains(&told), "{told}");
 }
 
 /// A rigid airframe on a spring.
