@@ -44,18 +44,19 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
     all
 }
 
-/// The intervals of `all`, those of `fit`, stretched to hold those of `alone`, a fit with some of its terms: what the others are
-/// told as, a curve or a further name, takes a share of these that no spread of the data shows.
+/// The intervals of `all`, those of `fit`, stretched to hold them about the values of `alone`, a fit with some of its terms: what the
+/// others are told as, a curve or a further name, takes a share of these that no spread of the data shows.
 pub fn reach(problem: &Problem<'_>, all: &mut [Estimate], fit: &Fit, alone: &Fit) {
-    let others = estimates_of(problem, alone);
+    let (coordinates, others) = (problem.coordinates(&fit.effects), estimates(problem, alone, None));
     let shared = problem.noise_range().end;
     let of_terms = alone.effects.iter().enumerate().flat_map(|(i, effect)| {
         let own = fit.position(effect.about().id).map(|place| fit.own_range(problem, place));
         own.into_iter().flatten().zip(alone.own_range(problem, i))
     });
     for (i, other) in (0..shared).map(|i| (i, i)).chain(of_terms) {
-        let (Estimate { ci95: [low, high], .. }, other) = (&mut all[i], &others[other].ci95);
-        (*low, *high) = (low.min(other[0]), high.max(other[1]));
+        let (Estimate { value, ci95: [low, high], .. }, bounds) = (&mut all[i], coordinates[i].bounds);
+        let by = others[other].value - *value;
+        (*low, *high) = (low.min((*low + by).max(bounds[0])), high.max((*high + by).min(bounds[1])));
     }
 }
 

@@ -29,7 +29,8 @@ pub struct Judgement<'p, 'd> {
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
     /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those
-    /// without which the motion is explained as well, facets of another, and what comes once and is soon over.
+    /// without which the motion is explained as well, facets of another, what comes once and is soon over, and all where the
+    /// model neither explains the data nor predicts the motion.
     pub small: Vec<Finding>,
     /// Its terms without a name.
     pub shapes: Vec<Finding>,
@@ -146,6 +147,10 @@ impl<'p, 'd> Judgement<'p, 'd> {
             untold,
         };
         let verdict = grounds.verdict();
+        // A name that neither explains the data nor predicts the motion is no finding.
+        let claimed =
+            verdict != Verdict::Unlisted || ahead(&rotation).max(free_run(&rotation)) >= SEEN_IN_A_LOOP;
+        let (named, small) = if claimed { (named, small) } else { (Vec::new(), [named, small].concat()) };
         Self {
             problem,
             parts,
@@ -177,6 +182,12 @@ impl<'p, 'd> Judgement<'p, 'd> {
 fn ahead(rotation: &Rotation) -> f64 {
     let last = rotation.parts.iter().filter_map(|part| part.extended.horizons.last());
     last.map(|(vaf, _)| vaf).sum::<f64>() / rotation.parts.len().max(1) as f64
+}
+
+/// The same of the free run.
+fn free_run(rotation: &Rotation) -> f64 {
+    let all = rotation.parts.iter().map(|part| part.extended.free_run);
+    all.sum::<f64>() / rotation.parts.len().max(1) as f64
 }
 
 #[cfg(test)]

@@ -6,12 +6,16 @@ use super::*;
 
 /// The judgement of stiffness and drag together, where all models of the two were visited.
 fn judged<T>(flight: &Flight, ask: impl FnOnce(&Judgement<'_, '_>) -> T) -> T {
+    judged_in_a_loop(flight, false, ask)
+}
+
+fn judged_in_a_loop<T>(flight: &Flight, fed_back: bool, ask: impl FnOnce(&Judgement<'_, '_>) -> T) -> T {
     asked(flight, |problem, baseline| {
         let parts = quarters(problem);
         let both = effects(&["gravity_stiffness", "quadratic_drag"]);
         let sets = [both[..1].to_vec(), both[1..].to_vec(), both];
         let selection = selection(problem, baseline, &parts, &sets);
-        ask(&Judgement::new(problem, &parts, selection, false, &|_| {}))
+        ask(&Judgement::new(problem, &parts, selection, fed_back, &|_| {}))
     })
 }
 
@@ -61,5 +65,18 @@ fn names_that_close_little_give_way_to_what_closes_more() {
             let gains = (judgement.grounds.gained_by_names, judgement.grounds.gained_by_all);
             assert_eq!(gains.0 < MATERIAL * gains.1, named == 1, "{gains:?}");
         }
+    });
+}
+
+#[test]
+fn a_name_that_neither_explains_nor_predicts_is_told_as_what_is_left() {
+    // The air moves the vehicle more than the input does, and the loop is closed.
+    let weak = weaker_at_first(1.0).iter().map(|u| 0.15 * u).collect();
+    let flown = flown_by(1, weak, |_, _, theta| -4.0 * theta.sin());
+    judged_in_a_loop(&flown, true, |judgement| {
+        assert!(ahead(&judgement.rotation).max(free_run(&judgement.rotation)) < SEEN_IN_A_LOOP);
+        assert_eq!((judgement.verdict, judgement.named.len()), (Verdict::Unlisted, 0));
+        assert!(ids(&judgement.small).contains(&"gravity_stiffness"));
+        assert!(judgement.grounds.named > 0);
     });
 }
