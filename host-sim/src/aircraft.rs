@@ -53,7 +53,8 @@ impl Aircraft {
     /// pitch axis where they need it.
     #[must_use]
     pub fn new(plant: Plant, effects: &[Setting], background: Option<ColouredMoment>, seed: u64) -> Self {
-        let effects: Vec<Box<dyn Effect>> = effects.iter().map(|setting| setting.build(seed)).collect();
+        let mut effects: Vec<Box<dyn Effect>> = effects.iter().map(|setting| setting.build(seed)).collect();
+        effects.sort_by_key(|effect| effect.of_thrust());
         let needed = effects.iter().fold(Others::default(), |needed, effect| needed.and(effect.others()));
         let around = Around::Drawn(Box::new(Surroundings::drawn(seed, needed)));
         let (state, commands) = (State::default(), Vec::new());

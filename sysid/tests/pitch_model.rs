@@ -56,6 +56,23 @@ fn the_rigid_plant_answers_a_delayed_step_in_closed_form() {
 }
 
 #[test]
+fn the_thrust_answers_the_angle_that_the_servo_reaches_whichever_term_was_found_first() {
+    let term = |id: &str, value: f64| Term {
+        effect: find(id).expect("it is in the catalogue"),
+        values: vec![value],
+    };
+    let (stop, curve) = (0.006, 20.0);
+    let found = [term("thrust_curve", curve), term("servo_saturation", stop)];
+    let other_way = [term("servo_saturation", stop), term("thrust_curve", curve)];
+    let simulated = free_run(&PLANT, &found, step_input());
+    assert_eq!(simulated, free_run(&PLANT, &other_way, step_input()));
+    let reached = stop * (1.0 + curve * stop);
+    let u: Vec<f64> = step_input().iter().map(|u| if *u > 0.0 { reached } else { 0.0 }).collect();
+    let expected = free_run(&PLANT, &[], u);
+    assert!(simulated.iter().zip(&expected).all(|(a, b)| (a[0] - b[0]).abs() < 1e-12));
+}
+
+#[test]
 fn a_servo_lag_answers_a_step_in_closed_form() {
     let plant = Plant { delay: 0.06, ..PLANT };
     let lag = 0.1;

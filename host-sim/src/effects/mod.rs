@@ -157,6 +157,11 @@ pub trait Effect: fmt::Debug {
         u
     }
 
+    /// Whether it acts on the thrust that the blades make of their angle, and so behind all that acts on the angle.
+    fn of_thrust(&self) -> bool {
+        false
+    }
+
     /// Changes the parameters as of time `t`.
     fn plant(&self, _t: f64, _plant: &mut Plant) {}
 

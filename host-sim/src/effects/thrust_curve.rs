@@ -15,6 +15,10 @@ pub(super) const ENTRY: Entry = Entry {
 struct ThrustCurve(f64);
 
 impl Effect for ThrustCurve {
+    fn of_thrust(&self) -> bool {
+        true
+    }
+
     fn blade(&mut self, _t: f64, u: f64, _dt: f64) -> f64 {
         u * (1.0 + self.0 * u.abs())
     }

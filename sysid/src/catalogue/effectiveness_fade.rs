@@ -26,6 +26,9 @@ impl Effect for EffectivenessFade {
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
         vec![vec![1e-3]]
     }
+    fn of_thrust(&self) -> bool {
+        true
+    }
     fn actuate(&self, p: &[f64], _s: &mut [f64], u: f64, at: &Conditions) -> f64 {
         u * (1.0 - p[0] * at.t).max(0.0)
     }

@@ -38,6 +38,9 @@ impl Effect for InflowLag {
     fn states(&self) -> usize {
         1
     }
+    fn of_thrust(&self) -> bool {
+        true
+    }
     fn actuate(&self, p: &[f64], s: &mut [f64], u: f64, at: &Conditions) -> f64 {
         let (share, lag, before) = (p[0], p[1], s[0]);
         let passed = -(-at.dt / lag).exp_m1();

@@ -32,6 +32,9 @@ impl Effect for ThrustCurve {
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         [-0.1, -0.4, 0.3].map(|share| vec![share / data.u]).to_vec()
     }
+    fn of_thrust(&self) -> bool {
+        true
+    }
     fn actuate(&self, p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
         u * (1.0 + p[0] * u.abs())
     }

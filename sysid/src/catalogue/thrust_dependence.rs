@@ -30,6 +30,9 @@ impl Effect for ThrustDependence {
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
         data.varies(|beside| beside.thrust.as_deref())
     }
+    fn of_thrust(&self) -> bool {
+        true
+    }
     fn actuate(&self, p: &[f64], _s: &mut [f64], u: f64, at: &Conditions) -> f64 {
         u * (1.0 + p[0] * at.thrust)
     }

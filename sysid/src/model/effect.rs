@@ -229,6 +229,10 @@ pub trait Effect: Sync {
     fn is_background(&self) -> bool {
         false
     }
+    /// Whether it acts on the thrust that the blades make of their angle, and so behind all that acts on the angle.
+    fn of_thrust(&self) -> bool {
+        false
+    }
     /// Number of states of its own (0, 1 or 2).
     fn states(&self) -> usize {
         0

@@ -4,21 +4,20 @@
 //! each effect's moment is split into its linear part, which joins the state matrix, and a remainder.
 
 mod part_of_a_term;
+mod placed;
+mod predictor;
 
 pub use part_of_a_term::Part;
 
-use super::innovation_filter::InnovationFilter;
-use super::kalman::{Channel, steady_gain};
 use super::kick::Kick;
 use super::shift::Shift;
 use super::transition::Transition;
 use crate::dataset::{Amplitudes, Run};
 use crate::model::effect::{Conditions, Effect};
-use crate::model::noise::{Disturbance, Third};
-use crate::model::plant::{
-    DISTURBANCE, GUST, GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU,
-};
+use crate::model::noise::Disturbance;
+use crate::model::plant::{GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU};
 use nalgebra::{RowSVector, SMatrix};
+use placed::{Placed, inertia_factor, later, limited, linear_part, placed};
 
 /// Longest step of the midpoint rule, s.
 const LONGEST_STEP: f64 = 0.0101;
@@ -30,8 +29,6 @@ const MOST_SUBSTEPS: f64 = 8.0;
 pub const OWN_STATES: usize = 28;
 /// A pitch rate is "rest" below this share of its standard deviation.
 const REST: f64 = 0.02;
-/// Leak of an angle that nothing observes, 1/s.
-const LEAK: f64 = 0.1;
 /// A reading that no sensor gives, rad/s and rad.
 const BEYOND: Output = [1e9; 2];
 /// Divergence: states beyond this multiple of the signals' size end a run.
@@ -44,13 +41,6 @@ pub struct Term {
     pub effect: &'static dyn Effect,
     /// Its parameters, in the order of [`Effect::parameters`].
     pub values: Vec<f64>,
-}
-
-/// A term with the place of its own states among those of all terms.
-struct Placed<'a> {
-    effect: &'static dyn Effect,
-    values: &'a [f64],
-    own: core::ops::Range<usize>,
 }
 
 /// Where a simulation stands: the plant's state and the effects' own.
@@ -228,73 +218,8 @@ impl<'a> PitchModel<'a> {
         self.measured
     }
 
-    /// Kalman gains for the outputs that `run` has, under the noise model `disturbance`.
-    pub fn gain(&self, disturbance: &Disturbance, run: &Run) -> Option<Gains> {
-        let begin = self.steady(disturbance, run)?;
-        if !self.inertia_changes {
-            return Some(Gains { begin, changed: None });
-        }
-        let factor = self.inertia_at(f64::MAX);
-        let plant = Plant { inertia: factor * self.plant.inertia, ..self.plant };
-        let later = PitchModel::new(&plant, &[], disturbance, self.step, &self.sizes)?;
-        Some(Gains { begin, changed: Some(later.steady(disturbance, run)?) })
-    }
-
-    /// How a moment or an addition to a measurement that the model lacks shows in the innovations of the predictor with
-    /// `gains` over `run`; the terms by their linear part.
-    pub fn innovation_filter(&self, gains: &Gains, run: &Run) -> InnovationFilter {
-        let (rate, angle) = self.measured;
-        let channels = [(run.rate.is_some(), rate), (run.angle.is_some(), angle)];
-        let measured: Vec<usize> = channels.iter().filter(|c| c.0).map(|c| c.1).collect();
-        let per_addition: Vec<State> = gains.begin.iter().map(|k| self.over_sample * k).collect();
-        let mut transition = self.over_sample;
-        for (&state, addition) in measured.iter().zip(&per_addition) {
-            let less = transition.column(state) - addition;
-            transition.set_column(state, &less);
-        }
-        InnovationFilter {
-            transition,
-            per_moment: self.per_moment_of_substep.iter().sum(),
-            per_addition,
-            measured,
-            delay: self.delay,
-        }
-    }
-
     fn inertia_at(&self, t: f64) -> f64 {
         inertia_factor(&self.terms, &Conditions { t, dt: self.step, ..self.conditions })
-    }
-
-    fn steady(&self, disturbance: &Disturbance, run: &Run) -> Option<Vec<State>> {
-        let mut over_sample = self.over_sample;
-        let mut process = StateMatrix::zeros();
-        let mut driven = |state: usize, intensity: f64| {
-            let mut drive = State::zeros();
-            drive[state] = intensity * (self.step / 2.0).sqrt();
-            let later = self.over_sample * drive;
-            process += drive * drive.transpose() + later * later.transpose();
-        };
-        driven(DISTURBANCE + 1, disturbance.intensity);
-        if let Some(Third::Gust(gust)) = disturbance.third {
-            driven(GUST, gust.sigma * (2.0 / gust.time_constant).sqrt());
-        }
-        let (rate, angle) = self.measured;
-        let mut channels = Vec::with_capacity(2);
-        if run.rate.is_some() {
-            channels.push(Channel { state: rate, variance: 1.0 });
-        }
-        if run.angle.is_some() {
-            let noise = if run.rate.is_some() { disturbance.angle_noise } else { 1.0 };
-            channels.push(Channel { state: angle, variance: noise * noise });
-        } else {
-            // The angle is a pure integrator that nothing observes: a slow leak keeps its variance finite.
-            for i in [THETA, THETA_IMU] {
-                for j in 0..STATES {
-                    over_sample[(i, j)] *= 1.0 - LEAK * self.step;
-                }
-            }
-        }
-        steady_gain(&over_sample, &process, &channels)
     }
 
     /// The point that stands for rest at the first measurement of `run`.
@@ -453,110 +378,9 @@ impl<'a> PitchModel<'a> {
         }
         Some(outputs)
     }
-
-    /// Innovations e = y − ŷ of the predictor with `gains` over the first `rows` of `run`; channels without a measurement
-    /// give zero. `visit` sees the corrected state of every row.
-    pub fn innovations(
-        &self,
-        run: &Run,
-        gains: &Gains,
-        rows: usize,
-        mut visit: impl FnMut(usize, &Point),
-    ) -> Option<Vec<Output>> {
-        let mut point = self.start(run);
-        let mut innovations = Vec::with_capacity(rows);
-        let mut censored = Vec::new();
-        for k in 0..rows {
-            let sensed = self.sensed(&point);
-            let expected = self.limited(sensed);
-            let gain = match &gains.changed {
-                Some(later) if self.inertia_at(run.elapsed(k)) != 1.0 => later,
-                _ => &gains.begin,
-            };
-            let mut e = [0.0; 2];
-            let mut column = 0;
-            for (channel, signal) in [&run.rate, &run.angle].into_iter().enumerate() {
-                if let Some(signal) = signal {
-                    e[channel] = signal[k] - expected[channel];
-                    point.x += gain[column] * e[channel];
-                    column += 1;
-                }
-            }
-            let at_limit = run.rate.as_ref().is_some_and(|rate| rate[k].abs() >= run.rate_limit);
-            if at_limit && sensed[0] != expected[0] {
-                censored.push(k);
-            }
-            innovations.push(e);
-            visit(k, &point);
-            if !self.advance(&mut point, run, k) {
-                return None;
-            }
-        }
-        impute(&mut innovations, &censored);
-        Some(innovations)
-    }
-}
-
-/// Adds to the rate's innovation of each of the `censored` rows that of another row, drawn by its number, with a sign drawn
-/// alike: a reading at the limit says where the limit is and that the rate is at least that, and neither that the model is right
-/// nor how strong the noise is (hot-deck imputation: Andridge and Little, Int. Stat. Rev. 78, 2010).
-fn impute(innovations: &mut [Output], censored: &[usize]) {
-    let mut is_censored = vec![false; innovations.len()];
-    censored.iter().for_each(|&k| is_censored[k] = true);
-    let donors: Vec<usize> = (0..innovations.len()).filter(|&k| !is_censored[k]).collect();
-    if donors.is_empty() {
-        return;
-    }
-    for &k in censored {
-        // Knuth's multiplicative hash
-        let drawn = (k as u32).wrapping_add(1).wrapping_mul(2_654_435_769);
-        let sign = if drawn & 0x8000 == 0 { 1.0 } else { -1.0 };
-        innovations[k][0] += sign * innovations[donors[(drawn >> 16) as usize % donors.len()]][0];
-    }
 }
 
 /// Value of a column in row `k`, after its last row as it is there; zero where there is no column.
 fn at_row(column: &Option<Vec<f64>>, k: usize) -> f64 {
     column.as_ref().and_then(|values| values.get(k).or(values.last())).copied().unwrap_or(0.0)
-}
-
-/// The terms that act; the background does so by its noise alone.
-fn placed(terms: &[Term]) -> Vec<Placed<'_>> {
-    let mut placed: Vec<Placed<'_>> = Vec::with_capacity(terms.len());
-    for Term { effect, values } in terms.iter().filter(|term| !term.effect.is_background()) {
-        let begin = placed.last().map_or(0, |before| before.own.end);
-        placed.push(Placed { effect: *effect, values, own: begin..begin + effect.states() });
-    }
-    placed
-}
-
-fn limited(terms: &[Placed<'_>], y: Output) -> Output {
-    terms.iter().fold(y, |y, term| term.effect.limit(term.values, y))
-}
-
-/// Delay that the terms add, s.
-fn later(terms: &[Placed<'_>], at: &Conditions) -> f64 {
-    terms.iter().map(|term| term.effect.delay(term.values, at)).sum()
-}
-
-/// Factor by which the terms change the inertia.
-fn inertia_factor(terms: &[Placed<'_>], at: &Conditions) -> f64 {
-    terms.iter().map(|term| term.effect.inertia(term.values, at)).product()
-}
-
-/// Stiffness and damping (N m/rad, N m s/rad) that stand for the effects' moments in the mean, at the signals'
-/// sizes: statistical linearisation (Booton, 1954) by three Gauss–Hermite nodes.
-fn linear_part(terms: &[Term], at: &Conditions) -> (f64, f64) {
-    let sizes = &at.sizes;
-    let own = [0.0; OWN_STATES];
-    let moment = |q: f64, theta: f64| -> f64 {
-        terms.iter().map(|term| term.effect.moment(&term.values, &own, q, theta, at)).sum()
-    };
-    let root = 3f64.sqrt();
-    let slope = |plus: f64, minus: f64, size: f64| -(plus - minus) / (2.0 * root * size);
-    let (dq, dtheta) = (root * sizes.q, root * sizes.theta);
-    (
-        slope(moment(0.0, dtheta), moment(0.0, -dtheta), sizes.theta),
-        slope(moment(dq, 0.0), moment(-dq, 0.0), sizes.q),
-    )
 }

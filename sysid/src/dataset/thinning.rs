@@ -1,0 +1,89 @@
+//! Logs that are much faster than the motion, averaged to fewer rows.
+
+use super::{Beside, Dataset, Run, decorrelation};
+use crate::moving_mean::MovingMean;
+use core::ops::Range;
+
+/// Longest sample period after thinning, s.
+const THINNED_STEP: f64 = 0.02;
+/// Samples kept within the time over which the rate's autocorrelation falls to 0.8.
+const SAMPLES_PER_DECORRELATION: usize = 3;
+
+impl Dataset {
+    /// Averages blocks of samples where they are much denser than the motion is fast, down to [`THINNED_STEP`] at the
+    /// most: at a high rate the one-step prediction sees the sensors' filters and clocks instead of the dynamics.
+    /// Averaging is linear and the same for input and outputs, so it leaves a linear model as it is.
+    pub(super) fn thin(&mut self) {
+        let Some(step) = self.runs.first().map(|run| run.step) else { return };
+        let rates: Vec<Vec<f64>> = self.runs.iter().map(Run::rate_or_slope).collect();
+        let most = (THINNED_STEP / step + 1e-6) as usize;
+        self.average((decorrelation(&rates) / SAMPLES_PER_DECORRELATION).min(most));
+    }
+
+    pub(super) fn average(&mut self, factor: usize) {
+        if factor >= 2 {
+            self.runs =
+                self.runs.iter().map(|run| run.averaged(factor)).filter(|run| run.len() > 1).collect();
+            self.thinned = factor;
+        }
+    }
+}
+
+impl Run {
+    /// Whether the input keeps a value for `samples` or more in the mean. One that changes faster may answer the motion within a
+    /// row, and is no cause of what it answers.
+    fn holds_longer_than(&self, samples: usize) -> bool {
+        let changes = self.u.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        changes * samples <= self.len()
+    }
+
+    /// The run with blocks of `factor` samples averaged; outputs by the trapezoidal rule, so that they and the held input
+    /// are averaged over the same time. The averaged input changes in ramps: it is interpolated.
+    fn averaged(&self, factor: usize) -> Self {
+        let blocks = self.len().saturating_sub(1) / factor;
+        let held = |x: &[f64]| -> Vec<f64> {
+            (0..blocks).map(|b| x[b * factor..(b + 1) * factor].iter().sum::<f64>() / factor as f64).collect()
+        };
+        let sampled = |x: &[f64]| -> Vec<f64> {
+            let half_ends = |b: usize| 0.5 * (x[(b + 1) * factor] - x[b * factor]);
+            held(x).iter().enumerate().map(|(b, mean)| mean + half_ends(b) / factor as f64).collect()
+        };
+        let rows = |r: &Range<usize>| r.start.div_ceil(factor)..(r.end / factor).min(blocks);
+        Self {
+            recording: self.recording,
+            origin: self.origin,
+            start: self.start + 0.5 * factor as f64 * self.step,
+            step: factor as f64 * self.step,
+            held: false,
+            u: if self.held { held(&self.u) } else { sampled(&self.u) },
+            between: self.holds_longer_than(factor).then(|| MovingMean::new(&self.u, factor, self.held)),
+            rate: self.rate.as_deref().map(sampled),
+            angle: self.angle.as_deref().map(sampled),
+            rate_limit: f64::INFINITY,
+            beside: Beside {
+                roll_and_yaw: self
+                    .beside
+                    .roll_and_yaw
+                    .as_ref()
+                    .map(|rows| (0..blocks).map(|b| rows[b * factor + factor / 2]).collect()),
+                roll_rate: self.beside.roll_rate.as_deref().map(sampled),
+                roll_command: self.beside.roll_command.as_deref().map(if self.held {
+                    &held as &dyn Fn(&[f64]) -> Vec<f64>
+                } else {
+                    &sampled
+                }),
+                thrust: self.beside.thrust.as_deref().map(sampled),
+                voltage: self.beside.voltage.as_deref().map(sampled),
+            },
+            supervised: (0..blocks)
+                .map(|b| self.supervised[b * factor..(b + 1) * factor].contains(&true))
+                .collect(),
+            sections: self
+                .sections
+                .iter()
+                .map(|(label, r)| (label.clone(), rows(r)))
+                .filter(|(_, r)| r.start < r.end)
+                .collect(),
+        }
+    }
+}
