@@ -26,8 +26,8 @@ const UNSETTLED: f64 = -30.0;
 const CLOSE: f64 = 0.7;
 /// A descent may gain what its last step gained this many times more.
 const STEPS_TO_COME: f64 = 4.0;
-/// and a sketch this many times, of the steps that a fit to the end takes.
-const STEPS_TO_END: f64 = 20.0;
+/// and a sketch this many times more. (With as many as a fit to the end takes, a hover in a loop is led to the controller's inverse.)
+const STEPS_TO_END: f64 = 6.0;
 /// Two descents of a candidate whose gains differ by less than this have come to the same place.
 const SAME_PLACE: f64 = 1.0;
 /// A candidate that promises less than this share of the best by its score is not tried,
