@@ -22,11 +22,11 @@ struct InflowLag {
 }
 
 impl Effect for InflowLag {
-    /// With the mean of the exact inflow over the step.
     fn of_thrust(&self) -> bool {
         true
     }
 
+    /// With the mean of the exact inflow over the step.
     fn blade(&mut self, _t: f64, u: f64, dt: f64) -> f64 {
         if self.time_constant_s <= 0.0 {
             return u * (1.0 - self.share);

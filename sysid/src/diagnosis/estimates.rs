@@ -47,15 +47,17 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
 /// The intervals of `all`, those of `fit`, stretched to hold them about the values of `alone`, a fit with some of its terms: what the
 /// others are told as, a curve or a further name, takes a share of these that no spread of the data shows.
 pub fn reach(problem: &Problem<'_>, all: &mut [Estimate], fit: &Fit, alone: &Fit) {
-    let (coordinates, others) = (problem.coordinates(&fit.effects), estimates(problem, alone, None));
+    let coordinates = problem.coordinates(&fit.effects);
     let shared = problem.noise_range().end;
     let of_terms = alone.effects.iter().enumerate().flat_map(|(i, effect)| {
         let own = fit.position(effect.about().id).map(|place| fit.own_range(problem, place));
         own.into_iter().flatten().zip(alone.own_range(problem, i))
     });
     for (i, other) in (0..shared).map(|i| (i, i)).chain(of_terms) {
-        let (Estimate { value, ci95: [low, high], .. }, bounds) = (&mut all[i], coordinates[i].bounds);
-        let by = others[other].value - *value;
+        let (own, by) = (fit.minimum.values[i], alone.minimum.values[other] - fit.minimum.values[i]);
+        let Estimate { value, ci95: [low, high], .. } = &mut all[i];
+        // A moment in time is told by the clock of the file.
+        let bounds = coordinates[i].bounds.map(|bound| bound + (*value - own));
         (*low, *high) = (low.min((*low + by).max(bounds[0])), high.max((*high + by).min(bounds[1])));
     }
 }

@@ -7,7 +7,7 @@ use super::levels::{ADEQUACY, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, WORTH_A
 use super::materiality::{closed, is_immaterial, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
-use super::rotation::{Rotation, rotate};
+use super::rotation::{Rotation, Scores, rotate};
 use super::verdict::Grounds;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::Fit;
@@ -180,13 +180,17 @@ impl<'p, 'd> Judgement<'p, 'd> {
 
 /// VAF held out at the longest horizon, mean over the parts, per cent.
 fn ahead(rotation: &Rotation) -> f64 {
-    let last = rotation.parts.iter().filter_map(|part| part.extended.horizons.last());
-    last.map(|(vaf, _)| vaf).sum::<f64>() / rotation.parts.len().max(1) as f64
+    mean(rotation, |scores| scores.horizons.last().map_or(0.0, |(vaf, _)| *vaf))
 }
 
 /// The same of the free run.
 fn free_run(rotation: &Rotation) -> f64 {
-    let all = rotation.parts.iter().map(|part| part.extended.free_run);
+    mean(rotation, |scores| scores.free_run)
+}
+
+/// Mean of what was held out over the parts.
+fn mean(rotation: &Rotation, vaf: impl Fn(&Scores) -> f64) -> f64 {
+    let all = rotation.parts.iter().map(|part| vaf(&part.extended));
     all.sum::<f64>() / rotation.parts.len().max(1) as f64
 }
 
