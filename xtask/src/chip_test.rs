@@ -63,7 +63,7 @@ fn fly([flight, control]: [&Path; 2], statics: u64, ledger: &mut Ledger) -> Outc
     cargo.args(TESTS.iter().flat_map(|test| ["--test", test])).args([
         "--",
         "--nocapture",
-        "--test-threads=1",
+        "--test-threads=2",
     ]);
     cargo.env("PITCHID_FLIGHT_IMAGE", flight).env("PITCHID_FAULTS_IMAGE", control);
     cargo.env("PITCHID_COMMAND", command).stdout(Stdio::piped());
