@@ -280,6 +280,18 @@ impl Dataset {
             .collect()
     }
 
+    /// Mean of the angle over all samples, rad; `None` where a recording lacks it.
+    pub fn mean_angle(&self) -> Option<f64> {
+        let angles: Option<Vec<&[f64]>> = self.runs.iter().map(|run| run.angle.as_deref()).collect();
+        Some(mean_of_all(&angles?))
+    }
+
+    /// Mean of the input over all samples.
+    pub fn mean_input(&self) -> f64 {
+        let inputs: Vec<&[f64]> = self.runs.iter().map(|run| run.u.as_slice()).collect();
+        mean_of_all(&inputs)
+    }
+
     /// Typical sizes of the signals of a plant of `inertia` kg m² and `dm_du` N m per unit of the input. Where the input never
     /// changes, moment and input are those that would move the rate as it moves.
     pub fn amplitudes(&self, inertia: f64, dm_du: f64) -> Amplitudes {
@@ -360,6 +372,11 @@ fn rate_limit(signal: &[f64]) -> f64 {
     let largest = signal.iter().fold(0.0, |m: f64, q| m.max(q.abs()));
     let at_it = signal.iter().filter(|q| q.abs() == largest).count();
     if at_it >= RECURS { largest } else { f64::INFINITY }
+}
+
+fn mean_of_all(columns: &[&[f64]]) -> f64 {
+    let count = columns.iter().map(|column| column.len()).sum::<usize>().max(1);
+    columns.iter().copied().flatten().sum::<f64>() / count as f64
 }
 
 /// Mean over all samples of a column; `None` where a recording lacks it, or it is not positive in the mean.

@@ -11,7 +11,7 @@ mod cubic_stiffness;
 mod effectiveness_fade;
 mod end_stop;
 pub mod extra_delay;
-mod gravity_stiffness;
+pub mod gravity_stiffness;
 pub mod gust_disturbance;
 mod gyro_bias;
 pub(crate) mod gyro_lag;

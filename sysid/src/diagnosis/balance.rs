@@ -182,9 +182,7 @@ fn entry(moment: f64) -> EffectEntry {
 
 /// Whether the mean of the angle, where it was measured, is level.
 fn is_level(data: &Dataset) -> bool {
-    let angles = || data.runs.iter().filter_map(|run| run.angle.as_deref()).flatten();
-    let count = angles().count().max(1) as f64;
-    (angles().sum::<f64>() / count).abs() < LEVEL
+    data.mean_angle().is_none_or(|angle| angle.abs() < LEVEL)
 }
 
 /// u₀ of every span; `damping` is ∂M/∂q and `inertia` Iyy, per ∂M/∂u.

@@ -7,6 +7,7 @@
 //! ```
 
 pub mod adequacy;
+mod another_zero;
 pub mod answer;
 pub mod axes;
 pub mod axis_words;

@@ -6,6 +6,9 @@ use crate::dataset::{Dataset, Place};
 const SHORT_S: f64 = 2.0;
 /// Most parts that are held out in turn.
 const MOST_PARTS: usize = 8;
+/// Share of an equal span that every span has at least: a burst of motion is no part by itself, and nothing is predicted over one
+/// that is shorter than the prediction.
+const LEAST_SHARE: f64 = 0.5;
 
 /// A part of the data that is held out at once.
 #[derive(Clone, Debug)]
@@ -50,7 +53,8 @@ pub fn parts(data: &Dataset, pieces: usize) -> Vec<Part> {
     sections.chunks(size).map(merged).collect()
 }
 
-/// Spans of time with equal shares of the motion's power, over `places` one after the other.
+/// Spans of time with equal shares of the motion's power, as far as none is much shorter than the others, over `places` one after
+/// the other.
 fn spans(data: &Dataset, places: &[Place], pieces: usize) -> Vec<Part> {
     let power = |place: &Place| -> Vec<f64> {
         let rate = data.runs[place.run].rate_or_slope();
@@ -60,20 +64,28 @@ fn spans(data: &Dataset, places: &[Place], pieces: usize) -> Vec<Part> {
     };
     let powers: Vec<Vec<f64>> = places.iter().map(power).collect();
     let total: f64 = powers.iter().flatten().sum();
+    let rows: usize = powers.iter().map(Vec::len).sum();
+    let least = (LEAST_SHARE * rows as f64 / pieces as f64) as usize;
     let mut parts: Vec<Part> = Vec::new();
-    let mut sum = 0.0;
+    let (mut sum, mut seen, mut cut) = (0.0, 0, 0);
     for (place, powers) in places.iter().zip(&powers) {
         let mut begin = place.rows.start;
         for (i, power) in powers.iter().enumerate() {
             sum += power;
+            seen += 1;
             let (row, last) = (place.rows.start + i + 1, i + 1 == powers.len());
-            let full = sum >= total * (parts.len() + 1) as f64 / pieces as f64 && parts.len() + 1 < pieces;
+            let to_come = pieces.saturating_sub(parts.len() + 1);
+            let has_its_share = sum >= total * (parts.len() + 1) as f64 / pieces as f64;
+            // the spans to come need their rows
+            let must = rows - seen <= to_come * least;
+            let full = to_come > 0 && seen - cut >= least && (has_its_share || must);
             if full || last {
                 let run = &data.runs[place.run];
                 let label = span(run.time(begin), run.time(row));
                 let piece = Place { label: label.clone(), run: place.run, rows: begin..row };
                 parts.push(Part { label, places: vec![piece] });
                 begin = row;
+                cut = seen;
             }
             if full && last {
                 break;
@@ -90,4 +102,32 @@ fn span(from: f64, to: f64) -> String {
     // Adding 0 makes 0 of −0.
     let [from, to] = [from, to].map(|t| (t * tenths).round() / tenths + 0.0);
     format!("{from} to {to} s")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::data_checks::fixture::{Flight, STEP, flight};
+    use crate::diagnosis::fixture::asked;
+
+    fn lengths(flight: &Flight) -> Vec<f64> {
+        let rows =
+            |part: &Part| part.places.iter().map(|place| place.rows.len()).sum::<usize>() as f64 * STEP;
+        asked(flight, |problem, _| parts(problem.data, 4).iter().map(rows).collect())
+    }
+
+    #[test]
+    fn a_burst_of_motion_is_no_part_by_itself() {
+        let even = flight(1, 0.0);
+        let all = even.q.len() as f64 * STEP;
+        let mut burst = even.clone();
+        for (k, q) in burst.q.iter_mut().enumerate() {
+            *q += if (600..620).contains(&k) { 20.0 } else { 0.0 };
+        }
+        for flight in [even, burst] {
+            let lengths = lengths(&flight);
+            assert_eq!(lengths.len(), 4, "{lengths:?}");
+            assert!(lengths.iter().all(|length| *length > 0.12 * all), "{lengths:?}");
+        }
+    }
 }

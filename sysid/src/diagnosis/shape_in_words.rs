@@ -16,6 +16,8 @@ const SLIGHT: f64 = 1.0 / 3.0;
 const NOTHING_YET: f64 = 0.15;
 /// A curve whose near value is within this share of the far one is of one size.
 const SAME_SIZE: f64 = 0.15;
+/// A value whose interval reaches this many times further than the largest value is none.
+const UNSEEN: f64 = 10.0;
 
 /// A term without a name with its coefficients `p`.
 pub struct Formula<'a> {
@@ -130,10 +132,14 @@ impl Formula<'_> {
         self.shape.parameters(self.sizes)[0].unit
     }
 
+    /// Half width of the interval of Σ g_i p_i.
+    fn reach(&self, g: &[f64]) -> f64 {
+        NORMAL_95 * (self.deviation)(g)
+    }
+
     /// Σ g_i p_i with its interval: "0.113 ± 0.012".
     fn told(&self, g: &[f64]) -> String {
-        let value = self.value(g);
-        let reach = NORMAL_95 * (self.deviation)(g);
+        let (value, reach) = (self.value(g), self.reach(g));
         if reach.is_finite() { format!("{} ± {}", digits(value), digits(reach)) } else { digits(value) }
     }
 
@@ -141,13 +147,17 @@ impl Formula<'_> {
         g.iter().zip(self.p).map(|(g, p)| g * p).sum()
     }
 
+    /// The values at some places; none where the data say nothing of it.
     fn at_places(&self, places: &[(String, Signals)]) -> String {
         let unit = self.unit();
-        let one = |(place, signals): &(String, Signals)| {
-            format!("{} {unit} at {place}", self.told(&self.shape.curves(signals)))
-                .replace(" at per ", " per ")
-        };
-        places.iter().map(one).collect::<Vec<_>>().join(", ")
+        let curves: Vec<Vec<f64>> = places.iter().map(|(_, signals)| self.shape.curves(signals)).collect();
+        let largest = curves.iter().map(|g| self.value(g).abs()).fold(0.0, f64::max);
+        let seen = |g: &[f64]| !(self.reach(g) > UNSEEN * largest);
+        let told = places.iter().zip(&curves).filter(|(_, g)| seen(g)).map(|((place, _), g)| {
+            format!("{} {unit} at {place}", self.told(g)).replace(" at per ", " per ")
+        });
+        let told: Vec<String> = told.collect();
+        if told.is_empty() { "of a size that these data do not tell".into() } else { told.join(", ") }
     }
 
     /// A curve of one signal: the odd part, the even part, or both sides where neither is slight.
@@ -238,6 +248,18 @@ mod tests {
         assert!(even.starts_with("a moment that is the same both ways and rises from"), "{even}");
         let side = said("of_theta_by_side", &[0.3, 0.02]);
         assert!(side.contains("N m at -0.200 rad, ") && side.contains("nose-up from nose-down: "), "{side}");
+    }
+
+    #[test]
+    fn places_that_the_data_did_not_visit_are_left_out() {
+        let shape = SHAPES.iter().find(|shape| shape.about().id == "of_theta_by_side").unwrap();
+        let text = |all: f64| {
+            let deviation = |g: &[f64]| if g[0] < 0.0 { 1e5 } else { all };
+            let p = &[0.3, 0.02];
+            Formula { shape, p, deviation: &deviation, sizes: &SIZES, input_unit: "rad" }.in_words()
+        };
+        assert!(text(0.01).contains(" rad") && !text(0.01).contains("100000"), "{}", text(0.01));
+        assert!(text(1e5).ends_with("of a size that these data do not tell"), "{}", text(1e5));
     }
 
     #[test]

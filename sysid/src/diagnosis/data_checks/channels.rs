@@ -9,6 +9,8 @@ use std::ops::Range;
 const PLATEAU: usize = 3;
 /// Share of samples in which an input changes, from which it is no sequence of steps (which has plateaus anyway).
 const CHANGING: f64 = 0.5;
+/// Most values that an input takes which was made of levels: its extremes are meant.
+const LEVELS: usize = 5;
 /// Shortest time over which an output that stays at one value counts as frozen, s.
 const FROZEN_S: f64 = 1.0;
 /// How much longer than any other run of one value a frozen one is.
@@ -70,7 +72,7 @@ fn clipped_input(recording: &Recording) -> Option<String> {
         let u = &recording.u[section.rows.clone()];
         let changes = u.windows(2).filter(|pair| pair[0] != pair[1]).count();
         let (low, high) = range(u);
-        let steps = (changes as f64) < CHANGING * u.len() as f64;
+        let steps = (changes as f64) < CHANGING * u.len() as f64 || takes_few_values(u);
         [low, high].into_iter().filter(move |_| !steps && low < high).filter_map(|level| {
             let plateaus: Vec<usize> = u
                 .chunk_by(|a, b| a == b)
@@ -90,6 +92,17 @@ fn clipped_input(recording: &Recording) -> Option<String> {
     });
     let described: Vec<String> = described.collect();
     (!described.is_empty()).then(|| described.join("; "))
+}
+
+/// Whether the signal takes no more than [`LEVELS`] values.
+fn takes_few_values(signal: &[f64]) -> bool {
+    let mut values: Vec<f64> = Vec::new();
+    signal.iter().all(|value| {
+        if !values.contains(value) {
+            values.push(*value);
+        }
+        values.len() <= LEVELS
+    })
 }
 
 /// Signals that do not move.

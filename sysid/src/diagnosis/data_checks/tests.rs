@@ -248,6 +248,11 @@ fn plateaus_are_told_but_not_the_two_levels_of_an_excitation() {
         described.state == State::Found && described.words.contains("u_rad stays at 0.0200"),
         "{described:?}"
     );
+    // a random sequence of two levels, drawn again in every sample
+    let mut random = Pcg64::seed_from_u64(1);
+    let mut drawn = || if normal(&mut random) > 0.0 { 0.02 } else { -0.02 };
+    let levels = Flight { u: fed_back.u.iter().map(|_| drawn()).collect(), ..fed_back };
+    assert_eq!(channels::saturation(&[levels.recording()]).state, State::RuledOut);
 }
 
 #[test]
