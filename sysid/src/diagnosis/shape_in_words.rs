@@ -152,7 +152,8 @@ impl Formula<'_> {
         let unit = self.unit();
         let curves: Vec<Vec<f64>> = places.iter().map(|(_, signals)| self.shape.curves(signals)).collect();
         let largest = curves.iter().map(|g| self.value(g).abs()).fold(0.0, f64::max);
-        let seen = |g: &[f64]| !(self.reach(g) > UNSEEN * largest);
+        // where the term is nothing by its form its reach is infinite
+        let seen = |g: &[f64]| !self.reach(g).is_finite() || self.reach(g) <= UNSEEN * largest;
         let told = places.iter().zip(&curves).filter(|(_, g)| seen(g)).map(|((place, _), g)| {
             format!("{} {unit} at {place}", self.told(g)).replace(" at per ", " per ")
         });
