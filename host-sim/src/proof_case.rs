@@ -73,6 +73,10 @@ const UNSEEN: [&str; 3] = ["gyro_bias", "gyro_scale", "angle_lag"];
 const MODERATE_POINTS: f64 = 2.0;
 const STRONG_POINTS: f64 = 8.0;
 
+/// Pairs that are the second effect with other values: dry friction is the special case of both.
+const ONE_TOGETHER: [[&str; 2]; 2] =
+    [["coulomb_friction", "asymmetric_friction"], ["coulomb_friction", "stribeck_friction"]];
+
 /// Attempts to draw parameters with which an effect costs what it should.
 const DRAWS: usize = 3;
 /// Attempts to draw effects with which the test ends as it should.
@@ -191,11 +195,16 @@ impl Trial {
     }
 }
 
-/// Two different effects of the catalogue.
+/// Two different effects of the catalogue that are two together.
 fn pair(generator: &mut Pcg64) -> Vec<&'static Entry> {
-    let first = generator.random_range(0..CATALOGUE.len());
-    let second = (first + generator.random_range(1..CATALOGUE.len())) % CATALOGUE.len();
-    vec![&CATALOGUE[first], &CATALOGUE[second]]
+    loop {
+        let first = generator.random_range(0..CATALOGUE.len());
+        let second = (first + generator.random_range(1..CATALOGUE.len())) % CATALOGUE.len();
+        let pair = [&CATALOGUE[first], &CATALOGUE[second]];
+        if !ONE_TOGETHER.iter().any(|ids| ids.iter().all(|id| pair.iter().any(|entry| entry.id == *id))) {
+            return pair.to_vec();
+        }
+    }
 }
 
 impl Concealed {
@@ -226,6 +235,7 @@ impl Concealed {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::SeedableRng;
     use std::collections::BTreeSet;
 
     #[test]
@@ -248,6 +258,12 @@ mod tests {
         assert_ne!(described(1, 17), described(2, 17));
         let pairs = (0..600).map(|number| Trial::new(1, number).unwrap()).filter(|t| t.kind == Kind::Pair);
         assert!(pairs.clone().all(|t| t.entries[0].id != t.entries[1].id));
+        let mut generator = Pcg64::seed_from_u64(1);
+        for _ in 0..10_000 {
+            let ids: Vec<&str> = pair(&mut generator).iter().map(|entry| entry.id).collect();
+            let frictions = ids.iter().filter(|id| id.ends_with("_friction")).count();
+            assert!(frictions < 2 || !ids.contains(&"coulomb_friction"), "{ids:?}");
+        }
         assert_eq!(pairs.count(), 100);
     }
 

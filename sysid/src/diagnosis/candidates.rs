@@ -63,6 +63,8 @@ mod tests {
             let found = candidates(problem, &all, all.named);
             assert_eq!(found[0].about.id, "gravity_stiffness");
             assert!(found[0].chosen && found[0].named && found[0].log_odds.unwrap() > 5.0);
+            let gained = baseline.criterion() - all.visited[all.named].fit.criterion();
+            assert!((found[0].alone.unwrap() - gained).abs() < 1e-9, "{:?}", found[0]);
             let other = found.iter().find(|c| c.about.id == "coulomb_friction").unwrap();
             assert!(!other.chosen && other.log_odds.is_none_or(|odds| odds < 0.0), "{other:?}");
         });

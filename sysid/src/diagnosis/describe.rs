@@ -8,8 +8,13 @@ use crate::estimate::{Estimate, digits};
 /// One to three sentences with numbers and units.
 pub fn summary(answer: &Answer) -> String {
     let mut text = match answer.verdict {
-        Verdict::NoMismatch => format!(
+        Verdict::NoMismatch if answer.fit.held_out.is_empty() || predicts(answer) => format!(
             "No mismatch: the model, its parameters estimated again, explains the data down to the noise ({}).",
+            figures(answer, false)
+        ),
+        Verdict::NoMismatch => format!(
+            "No mismatch that these data would show, and more than half of the motion does not follow from the input ({}): \
+             a larger input or a longer test would show more.",
             figures(answer, false)
         ),
         Verdict::Unlisted => {
