@@ -7,7 +7,8 @@
 //! ```
 //!
 //! With gravity alone the model would hang at zero, with a constant moment alone it would turn over: each by itself is worth
-//! nothing, and a search that adds one term at a time finds neither. Both are tried in one step.
+//! nothing, and a search that adds one term at a time finds neither. Both are tried in one step. Beside a slow background, which can
+//! hold the craft as well, nine in ten are held by a constant moment.
 
 use super::selection::without;
 use crate::catalogue::gravity_stiffness::GravityStiffness;
@@ -19,23 +20,42 @@ use rayon::prelude::*;
 
 /// Both of them.
 pub const PAIR: [&dyn Effect; 2] = [&GravityStiffness, &TrimOffset];
-/// Mean angle from which the zero matters, as a share of the angle's spread.
-const ASIDE: f64 = 0.5;
+/// What pulls back to the angle's zero.
+const SPRINGS: [&str; 2] = ["gravity_stiffness", "cubic_stiffness"];
+/// Prior probability that a constant moment holds what hangs aside, and neither the command nor the background.
+const HELD: f64 = 0.9;
 /// Stiffnesses to begin with, as shares of what turns the input's moment into the angle's spread.
 const SHARES: [f64; 2] = [0.3, 1.0];
 /// Strengths of the disturbance to begin with: a weak one cannot take the pendulum's swing for its own.
 const STRENGTHS: [f64; 2] = [0.03, 0.3];
 
+/// Whether a term of `effects` pulls back to zero where the angle keeps to one side of it, and the user's model has no moment against
+/// that.
+pub fn pulls_aside(problem: &Problem<'_>, effects: &[&'static dyn Effect]) -> bool {
+    let known = problem.baseline.terms.iter().any(|term| is_trim(term.effect));
+    !known && effects.iter().any(|e| SPRINGS.contains(&e.about().id)) && problem.hangs_aside()
+}
+
+/// Whether the effect is the constant moment.
+pub fn is_trim(effect: &dyn Effect) -> bool {
+    effect.about().id == TrimOffset.about().id
+}
+
+/// ln of the prior of the constant moment, or of its absence, in a model that pulls aside.
+pub fn log_prior_of_trim(effects: &[&'static dyn Effect]) -> f64 {
+    if effects.iter().any(|effect| is_trim(*effect)) { HELD.ln() } else { (1.0 - HELD).ln() }
+}
+
 /// `before` with both terms, and with gravity alone from there: beside a slow background the constant moment may not be seen.
 /// Nothing where the angle does not keep to one side.
 pub fn about_another_zero(problem: &Problem<'_>, before: &Fit) -> Vec<Fit> {
-    let aside = |angle: &f64| angle.abs() > ASIDE * problem.sizes.theta;
-    let both = problem.data.mean_angle().filter(aside).and_then(|angle| hanging(problem, before, angle));
+    let both = if problem.hangs_aside() { hanging(problem, before) } else { None };
     let alone = both.as_ref().and_then(|both| without(problem, both, both.effects.len() - 1));
     both.into_iter().chain(alone).collect()
 }
 
-fn hanging(problem: &Problem<'_>, before: &Fit, angle: f64) -> Option<Fit> {
+fn hanging(problem: &Problem<'_>, before: &Fit) -> Option<Fit> {
+    let angle = problem.data.mean_angle()?;
     let effects = [&before.effects[..], &PAIR].concat();
     let input = problem.data.mean_input();
     let noise = problem.noise_range();

@@ -4,6 +4,7 @@
 //! P(term) = Σ_{M with the term} P(M | data) / Σ_M P(M | data)
 //! ```
 
+use super::another_zero::{is_trim, pulls_aside};
 use super::levels::{LAG_HORIZON_S, PLAUSIBLE};
 use super::locate::indistinct;
 use crate::catalogue::shapes::SHAPES;
@@ -105,7 +106,10 @@ impl Visited {
 
     /// The same with another criterion (that of a part of the data).
     pub fn log_posterior_with(&self, problem: &Problem<'_>, criterion: f64, divisor: f64) -> f64 {
-        let named = self.fit.effects.iter().enumerate().filter(|(_, e)| !e.is_background() && !is_shape(**e));
+        // what holds a craft that hangs aside is there, if only to the size of the background
+        let pulls = pulls_aside(problem, &self.fit.effects);
+        let named = self.fit.effects.iter().enumerate();
+        let named = named.filter(|(_, e)| !(e.is_background() || is_shape(**e) || pulls && is_trim(**e)));
         let own_of_named = named.flat_map(|(i, _)| self.fit.own_range(problem, i));
         let own = self.own(problem);
         let no_term = self.information.holds_zero(own_of_named, &self.fit.minimum.values)

@@ -8,7 +8,7 @@
 //! E is the calibrated evidence of [`crate::likelihood::evidence`], the prior that of [`super::prior`]. A term is added while that
 //! raises the posterior; then every term is dropped, and exchanged for every other, until no such step does.
 
-use super::another_zero::{PAIR, about_another_zero};
+use super::another_zero::{PAIR, about_another_zero, is_trim, log_prior_of_trim, pulls_aside};
 use super::change_point::best_moment;
 use super::excerpt::{carried, excerpt};
 use super::levels::MOST_TERMS;
@@ -172,11 +172,14 @@ impl Search<'_, '_> {
             return Some(place);
         }
         let information = Information::new(self.problem, &fit, self.parts)?;
-        let visited = Visited {
-            log_prior: log_prior(&fit.effects, &self.candidates.named, self.candidates.shapes.len()),
-            fit,
-            information,
+        let prior = |effects: &[_]| log_prior(effects, &self.candidates.named, self.candidates.shapes.len());
+        let log_prior = if pulls_aside(self.problem, &fit.effects) {
+            let others: Vec<_> = fit.effects.iter().copied().filter(|e| !is_trim(*e)).collect();
+            prior(&others) + log_prior_of_trim(&fit.effects)
+        } else {
+            prior(&fit.effects)
         };
+        let visited = Visited { log_prior, fit, information };
         Some(match known {
             Some(place) => {
                 self.visited[place] = visited;

@@ -62,6 +62,8 @@ const STAMPED_EARLY: f64 = 1.5;
 const LONGEST_DELAY: f64 = 0.3;
 /// Time after the start of a run that the predictor takes to settle, s.
 const SETTLING: f64 = 1.0;
+/// Mean angle from which its zero matters, as a share of the angle's spread.
+const ASIDE: f64 = 0.5;
 /// Standard deviation of the prior on ln(mount frequency): the user's model may be off by half.
 const MOUNT_MODE_PRIOR: f64 = 0.4;
 /// How far the mount's frequency may lie from the user's model, as factors: a mode that leaves this range is no mount
@@ -98,6 +100,11 @@ impl<'a> Problem<'a> {
         'a: 'b,
     {
         Problem { sizes: self.sizes, whole: Some(self.data), ..Problem::new(stretches, self.baseline, &[]) }
+    }
+
+    /// Whether the angle keeps to one side of its zero: then what pulls back to zero is held by another moment.
+    pub fn hangs_aside(&self) -> bool {
+        self.data.mean_angle().is_some_and(|angle| angle.abs() > ASIDE * self.sizes.theta)
     }
 
     /// Number of residual channels.
