@@ -136,3 +136,37 @@ fn a_ring_down_from_a_release_informs() {
     assert_eq!(answer.verdict, Verdict::NoMismatch);
     assert!(is_right(estimate(&answer, "gravity_stiffness", "G"), 1.0, 0.1));
 }
+
+/// A rig whose angle keeps to one side, in 20 s at 10 Hz of which only the angle is logged: gravity is not seen without the moment
+/// that it hangs against, nor that without gravity.
+#[test]
+fn a_pendulum_that_hangs_aside_is_found_in_a_short_and_coarse_test() {
+    let (stiffness, aside) = (1.2, 0.35_f64);
+    let effects = vec![
+        effect("gravity_stiffness", &[("G", stiffness)]),
+        effect("trim_offset", &[("M0", stiffness * aside.sin())]),
+    ];
+    for seed in 1..4 {
+        let pendulum = Bench {
+            plant: Plant::nominal().rigid(),
+            effects: effects.clone(),
+            start: Airframe { theta: aside, theta_p: aside, ..Airframe::default() },
+            input: Input::Prbs { amplitude: 0.015, dwell_s: [0.1, 0.3] },
+            works_s: [0.0, 20.0],
+            duration_s: 20.0,
+            sample_s: 0.1,
+            background: Background::Lab,
+            ..Bench::new(seed)
+        };
+        let answer = ask(&[read(&dirt::without(logged(&pendulum), "q_rad_s"))], None).answer;
+        assert!(
+            matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous),
+            "{seed}: {:?}",
+            answer.verdict
+        );
+        assert!(words(&answer).contains("gravity_stiffness"), "{seed}: {}", words(&answer));
+        let held = answer.fit.held_out.values();
+        let free_run = held.map(|h| h.extended.free_run).sum::<f64>() / answer.fit.held_out.len() as f64;
+        assert!(free_run > 50.0, "{seed}: {free_run}");
+    }
+}
