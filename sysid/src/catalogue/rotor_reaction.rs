@@ -50,6 +50,9 @@ impl Effect for RotorReaction {
     fn within_sample(&self) -> bool {
         true
     }
+    fn is_impulsive(&self) -> bool {
+        true
+    }
     fn impulse(&self, p: &[f64], at: &Conditions) -> f64 {
         let [from, to] = at.command_ends;
         p[0] * (to - from)

@@ -79,7 +79,7 @@ pub struct Conditions {
     pub small_rate: f64,
     /// The delayed command u_c, mean over the step.
     pub command: f64,
-    /// The delayed command at the beginning and at the end of the step.
+    /// The delayed command at the beginning and at the end of the step; zeros where no effect is impulsive.
     pub command_ends: [f64; 2],
     /// Command of the roll axis, in its unit; zero where it was not logged.
     pub roll_command: f64,
@@ -239,6 +239,10 @@ pub trait Effect: Sync {
     }
     /// Whether it acts on the motion, or is moved by it, within a sample: then samples are cut into substeps.
     fn within_sample(&self) -> bool {
+        false
+    }
+    /// Whether it gives the airframe an impulse where the command changes: else it is not asked for one.
+    fn is_impulsive(&self) -> bool {
         false
     }
     /// Changes parameters of the plant.

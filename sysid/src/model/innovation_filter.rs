@@ -28,7 +28,7 @@ pub struct InnovationFilter {
 impl InnovationFilter {
     /// The command that arrives between row `k` of `run` and the next.
     pub fn command(&self, run: &Run, k: usize) -> f64 {
-        Shift::new(self.delay, 0, 1, run.step, run.held).apply(run, k).1
+        Shift::new(self.delay, 0, 1, run.step, run.held).mean(run, k)
     }
 
     /// x⁺ = Φ (I − K C) x + drive · f for all features f at once: x has a row for each state, `next` is room for the same.

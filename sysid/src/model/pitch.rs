@@ -69,6 +69,10 @@ pub type Output = [f64; 2];
 pub struct PitchModel<'a> {
     plant: Plant,
     terms: Vec<Placed<'a>>,
+    /// Those of the terms that act on the motion, or are moved by it, within a sample; without any, samples are not cut.
+    within_sample: Vec<Placed<'a>>,
+    /// Whether one of these is impulsive.
+    is_impulsive: bool,
     /// Over a whole sample.
     over_sample: StateMatrix,
     /// Over one substep, for the inner loop.
@@ -86,8 +90,6 @@ pub struct PitchModel<'a> {
     moment_row: RowSVector<f64, STATES>,
     /// The states that are measured: rate and angle.
     measured: (usize, usize),
-    /// Whether a term needs the motion within a sample.
-    within_sample: bool,
     /// Whether a term limits what the log can show.
     has_limit: bool,
     /// Delay of the input at the start of a recording, s.
@@ -165,6 +167,8 @@ impl<'a> PitchModel<'a> {
             return None;
         }
         let terms = placed(terms);
+        let within_sample: Vec<Placed<'_>> =
+            terms.iter().filter(|term| term.effect.within_sample()).cloned().collect();
         let at_the_end = Conditions { t: f64::MAX, ..conditions };
         let delay = plant.delay + later(&terms, &conditions);
         let delay_moves = later(&terms, &at_the_end) != later(&terms, &conditions);
@@ -189,7 +193,8 @@ impl<'a> PitchModel<'a> {
             kick: Kick::new(&(continuous * dt), &transition, plant.inertia),
             moment_row: continuous.row(Q) * plant.inertia,
             measured: (rate, angle),
-            within_sample: terms.iter().any(|term| term.effect.within_sample()),
+            is_impulsive: within_sample.iter().any(|term| term.effect.is_impulsive()),
+            within_sample,
             has_limit: limited(&terms, BEYOND) != BEYOND,
             terms,
             delay,
@@ -276,26 +281,29 @@ impl<'a> PitchModel<'a> {
             } else {
                 Shift::new(delay, i, self.substeps, self.step, run.held)
             };
-            (at.command_ends, at.command) = shift.apply(run, k);
+            at.command = shift.mean(run, k);
             let control = self.plant.dm_du * self.actuated(point, &at);
             let mut forced = self.terms.iter().map(|term| term.effect.forcing(term.values, &at)).sum::<f64>();
-            if self.within_sample {
-                let impulse =
-                    self.terms.iter().map(|term| term.effect.impulse(term.values, &at)).sum::<f64>();
-                let jumps = run.held && impulse != 0.0;
-                let kicked = jumps.then(|| {
-                    self.kick.left(at.command_left()) * (impulse / inertia_factor(&self.terms, &at))
-                });
-                if !jumps {
-                    forced += impulse / at.dt;
-                }
-                self.substep_with_terms(point, control, forced, kicked, &at);
-            } else {
+            if self.within_sample.is_empty() {
                 driven += per_moment * (control + forced);
+                continue;
             }
+            let mut kicked = None;
+            if self.is_impulsive {
+                at.command_ends = shift.at_ends(run, k);
+                let impulses = self.within_sample.iter().map(|term| term.effect.impulse(term.values, &at));
+                let impulse = impulses.sum::<f64>();
+                if !run.held {
+                    forced += impulse / at.dt;
+                } else if impulse != 0.0 {
+                    let factor = impulse / inertia_factor(&self.terms, &at);
+                    kicked = Some(self.kick.left(at.command_left()) * factor);
+                }
+            }
+            self.substep_with_terms(point, control, forced, kicked, &at);
         }
         point.roll_rate = at_row(&run.beside.roll_rate, k + 1);
-        if !self.within_sample {
+        if self.within_sample.is_empty() {
             point.x = self.sample.apply(&point.x) + driven;
         }
         point.x[Q].abs() < DIVERGED * self.sizes.q
@@ -339,7 +347,7 @@ impl<'a> PitchModel<'a> {
         let (q, theta, acceleration) = (point.x[rate], point.x[angle], control / self.plant.inertia);
         let mean = |state: usize| 0.5 * (before[state] + point.x[state]);
         let (mean_rate, mean_angle) = (mean(Q), mean(THETA));
-        for Placed { effect, values, own } in &self.terms {
+        for Placed { effect, values, own } in &self.within_sample {
             let own = &mut point.own[own.clone()];
             effect.follow(values, own, mean_rate, mean_angle, at);
             effect.sense(values, own, q, theta, acceleration, at);
@@ -350,7 +358,7 @@ impl<'a> PitchModel<'a> {
     fn nonlinear(&self, x: &State, own: &[f64; OWN_STATES], driving: f64, at: &Conditions) -> (f64, f64) {
         let (q, theta) = (x[Q], x[THETA]);
         let (mut moment, mut angle_rate) = (self.stiffness * theta + self.damping * q, 0.0);
-        for term in &self.terms {
+        for term in &self.within_sample {
             moment += term.effect.moment(term.values, &own[term.own.clone()], q, theta, at);
             angle_rate += term.effect.angle_rate(term.values, q, at);
         }

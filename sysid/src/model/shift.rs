@@ -36,14 +36,24 @@ impl Shift {
         Self { held, rows, share, ends }
     }
 
-    /// The input of `run` at the beginning and at the end of the substep, and over it; before its first row and after its last
-    /// as it is there.
-    pub fn apply(&self, run: &Run, k: usize) -> ([f64; 2], f64) {
-        let place = |(rows, share): (isize, f64)| (k as isize + rows, share);
+    /// The input of `run` over the substep; before its first row and after its last as it is there.
+    pub fn mean(&self, run: &Run, k: usize) -> f64 {
         match &run.between {
-            Some(mean) => mean.between(self.ends.map(place)),
-            None => (self.ends(&run.u, k), self.over(&run.u, k)),
+            Some(mean) => mean.between(self.places(k)).1,
+            None => self.over(&run.u, k),
         }
+    }
+
+    /// The same at the beginning and at the end of the substep.
+    pub fn at_ends(&self, run: &Run, k: usize) -> [f64; 2] {
+        match &run.between {
+            Some(mean) => mean.between(self.places(k)).0,
+            None => self.ends(&run.u, k),
+        }
+    }
+
+    fn places(&self, k: usize) -> [(isize, f64); 2] {
+        self.ends.map(|(rows, share)| (k as isize + rows, share))
     }
 
     fn over(&self, u: &[f64], k: usize) -> f64 {
@@ -51,7 +61,7 @@ impl Shift {
     }
 
     fn ends(&self, u: &[f64], k: usize) -> [f64; 2] {
-        self.ends.map(|(rows, share)| self.between(u, k as isize + rows, share))
+        self.places(k).map(|(row, share)| self.between(u, row, share))
     }
 
     /// `share` of the way from row `first` to the next.

@@ -4,6 +4,7 @@ use super::{OWN_STATES, Output, Term};
 use crate::model::effect::{Conditions, Effect};
 
 /// A term with the place of its own states among those of all terms.
+#[derive(Clone)]
 pub struct Placed<'a> {
     /// The effect.
     pub effect: &'static dyn Effect,
