@@ -152,7 +152,7 @@ def spread(client, work, jobs: Iterable[tuple[Any, ...]], key) -> Iterator[tuple
 
     heard = time.monotonic()
     while True:
-        threads = max(1, sum(client.nthreads().values())) if client.status == "running" else 1
+        threads = _threads(client)
         while len(flying) < IN_FLIGHT * threads and client.status == "running":
             job = next(jobs, None)
             if job is None:
@@ -180,6 +180,15 @@ def spread(client, work, jobs: Iterable[tuple[Any, ...]], key) -> Iterator[tuple
                 give(job, again + 1)
             else:
                 yield key(job), result
+
+
+def _threads(client: distributed.Client) -> int:
+    """How many the workers have; 1 where the scheduler does not answer."""
+    try:
+        return max(1, sum(client.nthreads().values())) if client.status == "running" else 1
+    except (OSError, distributed.TimeoutError):
+        # it was lost, and the client does not know yet
+        return 1
 
 
 def _result(future: distributed.Future) -> tuple[bool, Any]:
