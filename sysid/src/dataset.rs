@@ -376,18 +376,12 @@ fn rate_limit(signal: &[f64]) -> f64 {
 
 fn mean_of_all(columns: &[&[f64]]) -> f64 {
     let count = columns.iter().map(|column| column.len()).sum::<usize>().max(1);
-    columns.iter().copied().flatten().sum::<f64>() / count as f64
+    columns.iter().map(|column| column.iter().sum::<f64>()).sum::<f64>() / count as f64
 }
 
 /// Mean over all samples of a column; `None` where a recording lacks it, or it is not positive in the mean.
 fn mean<'a>(columns: impl Iterator<Item = Option<&'a [f64]>>) -> Option<f64> {
-    let (mut sum, mut count) = (0.0, 0);
-    for column in columns {
-        let column = column?;
-        sum += column.iter().sum::<f64>();
-        count += column.len();
-    }
-    let mean = sum / count as f64;
+    let mean = mean_of_all(&columns.collect::<Option<Vec<_>>>()?);
     (mean.is_finite() && mean > 0.0).then_some(mean)
 }
 

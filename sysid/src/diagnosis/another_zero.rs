@@ -33,7 +33,7 @@ const STRENGTHS: [f64; 2] = [0.03, 0.3];
 /// that.
 pub fn pulls_aside(problem: &Problem<'_>, effects: &[&'static dyn Effect]) -> bool {
     let known = problem.baseline.terms.iter().any(|term| is_trim(term.effect));
-    !known && effects.iter().any(|e| SPRINGS.contains(&e.about().id)) && problem.hangs_aside()
+    !known && effects.iter().any(|e| SPRINGS.contains(&e.about().id)) && problem.hangs_aside
 }
 
 /// Whether the effect is the constant moment.
@@ -49,7 +49,7 @@ pub fn log_prior_of_trim(effects: &[&'static dyn Effect]) -> f64 {
 /// `before` with both terms, and with gravity alone from there: beside a slow background the constant moment may not be seen.
 /// Nothing where the angle does not keep to one side.
 pub fn about_another_zero(problem: &Problem<'_>, before: &Fit) -> Vec<Fit> {
-    let both = if problem.hangs_aside() { hanging(problem, before) } else { None };
+    let both = if problem.hangs_aside { hanging(problem, before) } else { None };
     let alone = both.as_ref().and_then(|both| without(problem, both, both.effects.len() - 1));
     both.into_iter().chain(alone).collect()
 }

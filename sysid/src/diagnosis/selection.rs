@@ -8,7 +8,7 @@
 //! E is the calibrated evidence of [`crate::likelihood::evidence`], the prior that of [`super::prior`]. A term is added while that
 //! raises the posterior; then every term is dropped, and exchanged for every other, until no such step does.
 
-use super::another_zero::{PAIR, about_another_zero, is_trim, log_prior_of_trim, pulls_aside};
+use super::another_zero::{PAIR, about_another_zero};
 use super::change_point::best_moment;
 use super::excerpt::{carried, excerpt};
 use super::levels::MOST_TERMS;
@@ -20,9 +20,10 @@ use crate::catalogue::shapes::SHAPES;
 use crate::catalogue::slow_moment::SlowMoment;
 use crate::dataset::Place;
 use crate::likelihood::evidence::Information;
-use crate::likelihood::fit::{Fit, SKETCH, fit as fit_from, refit, settled};
+use crate::likelihood::fit::{FINISH, Fit, SKETCH, fit as fit_from, refit, settled};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
+use crate::optim::levenberg_marquardt::Effort;
 use crate::progress::{Progress, Step};
 use rayon::prelude::*;
 
@@ -37,13 +38,17 @@ const SHAPES_FITTED: usize = 2;
 const MOST_SHAPES: usize = 2;
 /// Share of what the names gain that a sketch of a shape must gain to be followed.
 const NEAR: f64 = 0.5;
+/// Share of what a term gains to which that need be known.
+const FAR: f64 = 1e-3;
 /// A log posterior that differs by less is the same: minima are found to about a tenth of that.
 const SAME: f64 = 0.3;
 
 /// Candidates of the catalogue that can be asked for with these data.
 pub struct Candidates {
-    named: Vec<&'static dyn Effect>,
-    shapes: Vec<&'static dyn Effect>,
+    /// Those of the catalogue.
+    pub named: Vec<&'static dyn Effect>,
+    /// Those without a name.
+    pub shapes: Vec<&'static dyn Effect>,
 }
 
 impl Candidates {
@@ -172,13 +177,7 @@ impl Search<'_, '_> {
             return Some(place);
         }
         let information = Information::new(self.problem, &fit, self.parts)?;
-        let prior = |effects: &[_]| log_prior(effects, &self.candidates.named, self.candidates.shapes.len());
-        let log_prior = if pulls_aside(self.problem, &fit.effects) {
-            let others: Vec<_> = fit.effects.iter().copied().filter(|e| !is_trim(*e)).collect();
-            prior(&others) + log_prior_of_trim(&fit.effects)
-        } else {
-            prior(&fit.effects)
-        };
+        let log_prior = log_prior(self.problem, &fit.effects, &self.candidates);
         let visited = Visited { log_prior, fit, information };
         Some(match known {
             Some(place) => {
@@ -435,7 +434,12 @@ pub fn without(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<Fit> {
     let mut values = fit.minimum.values.clone();
     values.drain(fit.own_range(problem, i));
     effects.remove(i);
-    refit(problem, &effects, &values).map(|fit| best_moment(problem, fit))
+    let mut less = fit_from(problem, &effects, &values, SKETCH)?;
+    let tolerance = FINISH.tolerance.max(FAR * (less.criterion() - fit.criterion()));
+    if !less.minimum.converged || tolerance < SKETCH.tolerance {
+        less = fit_from(problem, &effects, &less.minimum.values, Effort { tolerance, ..FINISH })?;
+    }
+    Some(best_moment(problem, less))
 }
 
 #[cfg(test)]

@@ -22,6 +22,8 @@ pub struct Problem<'a> {
     pub baseline: &'a Baseline,
     /// Sizes of the signals.
     pub sizes: Amplitudes,
+    /// Whether the angle keeps to one side of its zero: then what pulls back to zero is held by another moment.
+    pub hangs_aside: bool,
     /// For every run, which rows count in the criterion.
     pub counted: Vec<Vec<bool>>,
     /// All data, where these are stretches of them.
@@ -91,7 +93,8 @@ impl<'a> Problem<'a> {
             counted[place.run][place.rows.clone()].fill(false);
         }
         let sizes = data.amplitudes(baseline.plant.inertia, baseline.plant.dm_du);
-        Self { data, baseline, sizes, counted, whole: None }
+        let hangs_aside = data.mean_angle().is_some_and(|angle| angle.abs() > ASIDE * sizes.theta);
+        Self { data, baseline, sizes, hangs_aside, counted, whole: None }
     }
 
     /// The same problem on stretches of the data; the signals have the sizes of all data.
@@ -99,12 +102,12 @@ impl<'a> Problem<'a> {
     where
         'a: 'b,
     {
-        Problem { sizes: self.sizes, whole: Some(self.data), ..Problem::new(stretches, self.baseline, &[]) }
-    }
-
-    /// Whether the angle keeps to one side of its zero: then what pulls back to zero is held by another moment.
-    pub fn hangs_aside(&self) -> bool {
-        self.data.mean_angle().is_some_and(|angle| angle.abs() > ASIDE * self.sizes.theta)
+        Problem {
+            sizes: self.sizes,
+            hangs_aside: self.hangs_aside,
+            whole: Some(self.data),
+            ..Problem::new(stretches, self.baseline, &[])
+        }
     }
 
     /// Number of residual channels.

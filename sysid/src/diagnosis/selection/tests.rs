@@ -41,9 +41,7 @@ fn a_name_is_twice_as_likely_beforehand_as_a_shape_and_each_term_halves_the_odds
         let candidates = Candidates::new(problem, CATALOGUE);
         let lag = find("servo_lag").unwrap();
         let (names, shapes) = (candidates.named.len() as f64, candidates.shapes.len() as f64);
-        let odds = |effects: &[&'static dyn Effect]| {
-            log_prior(effects, &candidates.named, candidates.shapes.len()).exp()
-        };
+        let odds = |effects: &[&'static dyn Effect]| log_prior(problem, effects, &candidates).exp();
         assert_eq!(odds(&[]), 1.0);
         let (name, shape) = (odds(&[lag]) * names, odds(&candidates.shapes[..1]) * shapes);
         assert!((name / shape - 2.0).abs() < 1e-9 && (name + shape - 0.5).abs() < 1e-9);
