@@ -20,10 +20,9 @@ use crate::catalogue::shapes::SHAPES;
 use crate::catalogue::slow_moment::SlowMoment;
 use crate::dataset::Place;
 use crate::likelihood::evidence::Information;
-use crate::likelihood::fit::{FINISH, Fit, SKETCH, fit as fit_from, refit, settled};
+use crate::likelihood::fit::{Fit, SKETCH, fit as fit_from, refit, settled};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
-use crate::optim::levenberg_marquardt::Effort;
 use crate::progress::{Progress, Step};
 use rayon::prelude::*;
 
@@ -38,8 +37,6 @@ const SHAPES_FITTED: usize = 2;
 const MOST_SHAPES: usize = 2;
 /// Share of what the names gain that a sketch of a shape must gain to be followed.
 const NEAR: f64 = 0.5;
-/// Share of what a term gains to which that need be known.
-const FAR: f64 = 1e-3;
 /// A log posterior that differs by less is the same: minima are found to about a tenth of that.
 const SAME: f64 = 0.3;
 
@@ -434,12 +431,7 @@ pub fn without(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<Fit> {
     let mut values = fit.minimum.values.clone();
     values.drain(fit.own_range(problem, i));
     effects.remove(i);
-    let mut less = fit_from(problem, &effects, &values, SKETCH)?;
-    let tolerance = FINISH.tolerance.max(FAR * (less.criterion() - fit.criterion()));
-    if !less.minimum.converged || tolerance < SKETCH.tolerance {
-        less = fit_from(problem, &effects, &less.minimum.values, Effort { tolerance, ..FINISH })?;
-    }
-    Some(best_moment(problem, less))
+    refit(problem, &effects, &values).map(|fit| best_moment(problem, fit))
 }
 
 #[cfg(test)]
