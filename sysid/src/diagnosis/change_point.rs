@@ -79,6 +79,6 @@ fn at_moment(
             coordinate.bounds = [values[j]; 2];
         }
     }
-    let residuals = |v: &[f64]| problem.prediction_errors(&fit.effects, v);
+    let residuals = problem.prediction_errors(&fit.effects);
     minimize(&residuals, problem.channels(), &coordinates, &values, EFFORT)
 }

@@ -201,7 +201,7 @@ fn lowest_of_band_passed(
 
 fn lowest_of(problem: &Problem<'_>, effects: &[&'static dyn Effect], starts: &[Vec<f64>]) -> Option<Fit> {
     let coordinates = band_passed(problem, effects);
-    let residuals = |values: &[f64]| problem.prediction_errors(effects, values);
+    let residuals = problem.prediction_errors(effects);
     let fit = |start: &Vec<f64>| {
         let minimum = minimize(&residuals, problem.channels(), &coordinates, start, FINISH)?;
         Some(Fit { effects: effects.to_vec(), minimum })

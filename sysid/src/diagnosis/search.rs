@@ -226,7 +226,7 @@ fn best_starts(
     let left = problem.residual_moment(&before.effects, &before.minimum.values);
     let best_start = |&candidate: &&'static dyn Effect| {
         let effects = [&before.effects[..], &[candidate]].concat();
-        let residuals = |v: &[f64]| problem.prediction_errors(&effects, v);
+        let residuals = problem.prediction_errors(&effects);
         let coordinates = problem.coordinates(&effects);
         let promised = |own: Vec<f64>| {
             let start = [values, &own].concat();
@@ -235,7 +235,7 @@ fn best_starts(
         };
         let starts = candidate.starts_from(&problem.sizes, &left).into_iter().filter_map(promised);
         let (promise, start) = starts.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some((promise, effects, start))
+        Some((promise, effects.clone(), start))
     };
     let mut all: Vec<_> = candidates.par_iter().filter_map(best_start).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -279,7 +279,7 @@ fn further(
 }
 
 fn chord(problem: &Problem<'_>, before: &Fit, values: &[f64]) -> Option<Chord> {
-    let residuals = |v: &[f64]| problem.prediction_errors(&before.effects, v);
+    let residuals = problem.prediction_errors(&before.effects);
     Chord::new(&residuals, problem.channels(), &problem.coordinates(&before.effects), values)
 }
 
@@ -290,7 +290,7 @@ fn descend(
     start: &[f64],
     steps: usize,
 ) -> Option<Descent> {
-    let residuals = |v: &[f64]| problem.prediction_errors(effects, v);
+    let residuals = problem.prediction_errors(effects);
     chord.descend(&residuals, problem.channels(), &problem.coordinates(effects), start, steps)
 }
 
@@ -305,7 +305,7 @@ fn near_output_error(problem: &Problem<'_>, before: &Fit) -> Option<Vec<f64>> {
     for i in noise.chain(mount) {
         coordinates[i].bounds = [start[i]; 2];
     }
-    let residuals = |v: &[f64]| problem.prediction_errors(&before.effects, v);
+    let residuals = problem.prediction_errors(&before.effects);
     minimize(&residuals, problem.channels(), &coordinates, &start, SKETCH).map(|m| m.values)
 }
 

@@ -86,7 +86,7 @@ impl Information {
         parts: &[Vec<Place>],
     ) -> Option<Self> {
         let values = &fit.minimum.values;
-        let residuals = |v: &[f64]| problem.prediction_errors(&fit.effects, v);
+        let residuals = problem.prediction_errors(&fit.effects);
         let slopes = Chord::new(&residuals, problem.channels(), &coordinates, values)?.into_jacobian();
         let rows = problem.counted_rows().map(|(run, k)| {
             let holds = |places: &Vec<Place>| places.iter().any(|p| p.run == run && p.rows.contains(&k));

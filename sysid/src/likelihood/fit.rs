@@ -106,7 +106,7 @@ pub fn fit(
     start: &[f64],
     effort: Effort,
 ) -> Option<Fit> {
-    let residuals = |values: &[f64]| problem.prediction_errors(effects, values);
+    let residuals = problem.prediction_errors(effects);
     let minimum = minimize(&residuals, problem.channels(), &problem.coordinates(effects), start, effort)?;
     Some(Fit { effects: effects.to_vec(), minimum })
 }

@@ -6,5 +6,6 @@ pub mod evidence;
 pub mod fit;
 pub mod free_run;
 pub mod horizon;
+mod known_drives;
 pub mod precision;
 pub mod problem;

@@ -6,6 +6,7 @@ use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::model_file::model_file;
 use crate::catalogue::scaled_shape::carried;
 use crate::dataset::{Amplitudes, Dataset, Place, Run};
+use crate::likelihood::known_drives::KnownDrives;
 use crate::model::baseline::Baseline;
 use crate::model::effect::{Effect, Parameter, ResidualMoment, Scale};
 use crate::model::file::ModelFile;
@@ -327,19 +328,28 @@ impl<'a> Problem<'a> {
         Unpacked { plant, disturbance, terms }
     }
 
-    /// One-step prediction errors of the counted rows.
-    pub fn prediction_errors(&self, effects: &[&'static dyn Effect], values: &[f64]) -> Option<Vec<Output>> {
-        self.errors_of(&self.unpack(effects, values))
+    /// One-step prediction errors of the counted rows as a function of all unknowns.
+    pub fn prediction_errors<'p>(
+        &'p self,
+        effects: &'p [&'static dyn Effect],
+    ) -> impl Fn(&[f64]) -> Option<Vec<Output>> + Sync + 'p {
+        let known = KnownDrives::default();
+        move |values| self.errors(&self.unpack(effects, values), &known)
     }
 
     /// The same of a model already made of its values.
     pub fn errors_of(&self, unpacked: &Unpacked) -> Option<Vec<Output>> {
+        self.errors(unpacked, &KnownDrives::default())
+    }
+
+    fn errors(&self, unpacked: &Unpacked, known: &KnownDrives) -> Option<Vec<Output>> {
         let mut all = Vec::with_capacity(self.count());
-        let last = |run: usize| self.counted[run].iter().rposition(|c| *c).map_or(0, |k| k + 1);
-        self.run(unpacked, last, |_, _, _| {}, &mut |run, innovations| {
-            all.extend(
-                innovations.iter().zip(&self.counted[run]).filter(|(_, c)| **c).map(|(e, _)| self.pack(*e)),
-            );
+        self.of_runs(unpacked, |index, model, gains| {
+            let (run, counted) = (&self.data.runs[index], &self.counted[index]);
+            let rows = counted.iter().rposition(|c| *c).map_or(0, |k| k + 1);
+            let innovations = model.innovations_under(run, gains, &known.of(model, index, run, rows))?;
+            all.extend(innovations.iter().zip(counted).filter(|(_, c)| **c).map(|(e, _)| self.pack(*e)));
+            Some(())
         })?;
         Some(all)
     }
@@ -353,19 +363,21 @@ impl<'a> Problem<'a> {
     pub fn track(
         &self,
         unpacked: &Unpacked,
-        visit: impl FnMut(usize, usize, &Point),
-        take: &mut dyn FnMut(usize, Vec<Output>),
-    ) -> Option<()> {
-        self.run(unpacked, |run| self.data.runs[run].len(), visit, take)
-    }
-
-    /// Runs the predictor over the first `rows` of each run.
-    fn run(
-        &self,
-        unpacked: &Unpacked,
-        rows: impl Fn(usize) -> usize,
         mut visit: impl FnMut(usize, usize, &Point),
         take: &mut dyn FnMut(usize, Vec<Output>),
+    ) -> Option<()> {
+        self.of_runs(unpacked, |index, model, gains| {
+            let run = &self.data.runs[index];
+            take(index, model.innovations(run, gains, run.len(), |k, point| visit(index, k, point))?);
+            Some(())
+        })
+    }
+
+    /// Hands every run's sampled model with its gains to `of_run`.
+    fn of_runs(
+        &self,
+        unpacked: &Unpacked,
+        mut of_run: impl FnMut(usize, &PitchModel<'_>, &Gains) -> Option<()>,
     ) -> Option<()> {
         let mut sampled: Option<(f64, PitchModel<'_>, Gains)> = None;
         for (index, run) in self.data.runs.iter().enumerate() {
@@ -374,8 +386,8 @@ impl<'a> Problem<'a> {
                 let gain = model.gain(&unpacked.disturbance, run)?;
                 sampled = Some((run.step, model, gain));
             }
-            let (_, model, gain) = sampled.as_ref()?;
-            take(index, model.innovations(run, gain, rows(index), |k, point| visit(index, k, point))?);
+            let (_, model, gains) = sampled.as_ref()?;
+            of_run(index, model, gains)?;
         }
         Some(())
     }

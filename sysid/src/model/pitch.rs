@@ -3,10 +3,12 @@
 //! Linear parts are propagated exactly (matrix exponential), effects by a midpoint rule over steps of at most 10 ms:
 //! each effect's moment is split into its linear part, which joins the state matrix, and a remainder.
 
+mod drive;
 mod part_of_a_term;
 mod placed;
 mod predictor;
 
+pub use drive::Drive;
 pub use part_of_a_term::Part;
 
 use super::kick::Kick;
@@ -17,6 +19,7 @@ use crate::model::effect::{Conditions, Effect};
 use crate::model::noise::Disturbance;
 use crate::model::plant::{GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU};
 use nalgebra::{RowSVector, SMatrix};
+use drive::set_beside;
 use placed::{Placed, inertia_factor, later, limited, linear_part, placed};
 
 /// Longest step of the midpoint rule, s.
@@ -24,7 +27,7 @@ const LONGEST_STEP: f64 = 0.0101;
 /// Steps of the midpoint rule in a period of the motion: terms that bend a motion of nine samples a period are off by a third
 /// of their size when they act once a sample.
 const SUBSTEPS_A_PERIOD: f64 = 36.0;
-const MOST_SUBSTEPS: f64 = 8.0;
+const MOST_SUBSTEPS: usize = 8;
 /// Room for the effects' own states.
 pub const OWN_STATES: usize = 28;
 /// A pitch rate is "rest" below this share of its standard deviation.
@@ -69,7 +72,9 @@ pub type Output = [f64; 2];
 pub struct PitchModel<'a> {
     plant: Plant,
     terms: Vec<Placed<'a>>,
-    /// Those of the terms that act on the motion, or are moved by it, within a sample; without any, samples are not cut.
+    /// Those of the terms that act on what drives the motion.
+    driving: Vec<Placed<'a>>,
+    /// Those that act on the motion, or are moved by it, within a sample; without any, samples are not cut.
     within_sample: Vec<Placed<'a>>,
     /// Whether one of these is impulsive.
     is_impulsive: bool,
@@ -125,7 +130,7 @@ impl<'a> PitchModel<'a> {
         }
         let fastest = sizes.q / sizes.theta.max(f64::MIN_POSITIVE);
         let longest = LONGEST_STEP.min(core::f64::consts::TAU / (SUBSTEPS_A_PERIOD * fastest));
-        let substeps = (step / longest).ceil().clamp(1.0, MOST_SUBSTEPS) as usize;
+        let substeps = (step / longest).ceil().clamp(1.0, MOST_SUBSTEPS as f64) as usize;
         let dt = step / substeps as f64;
         if terms.iter().map(|term| term.effect.states()).sum::<usize>() > OWN_STATES {
             return None;
@@ -167,8 +172,8 @@ impl<'a> PitchModel<'a> {
             return None;
         }
         let terms = placed(terms);
-        let within_sample: Vec<Placed<'_>> =
-            terms.iter().filter(|term| term.effect.within_sample()).cloned().collect();
+        let (within_sample, driving): (Vec<Placed<'_>>, Vec<Placed<'_>>) =
+            terms.iter().cloned().partition(|term| term.effect.within_sample());
         let at_the_end = Conditions { t: f64::MAX, ..conditions };
         let delay = plant.delay + later(&terms, &conditions);
         let delay_moves = later(&terms, &at_the_end) != later(&terms, &conditions);
@@ -194,6 +199,7 @@ impl<'a> PitchModel<'a> {
             moment_row: continuous.row(Q) * plant.inertia,
             measured: (rate, angle),
             is_impulsive: within_sample.iter().any(|term| term.effect.is_impulsive()),
+            driving,
             within_sample,
             has_limit: limited(&terms, BEYOND) != BEYOND,
             terms,
@@ -265,58 +271,44 @@ impl<'a> PitchModel<'a> {
     /// One sample further, from row `k` of `run` to row k+1. `false` when the state has diverged.
     pub fn advance(&self, point: &mut Point, run: &Run, k: usize) -> bool {
         let mut at = self.conditions;
-        if let Some(rows) = &run.beside.roll_and_yaw {
-            [at.roll_rate, at.yaw_rate, at.roll] = rows[k];
-        }
-        at.roll_command = at_row(&run.beside.roll_command, k);
-        at.thrust = at_row(&run.beside.thrust, k);
-        at.voltage = at_row(&run.beside.voltage, k);
-        let mut driven = State::zeros();
-        for (i, per_moment) in self.per_moment_of_substep.iter().enumerate() {
-            at.t = run.elapsed(k) + i as f64 * at.dt;
-            let delay =
-                if self.delay_moves { self.plant.delay + later(&self.terms, &at) } else { self.delay };
-            let shift = if delay == self.delay {
-                self.shifts[i][usize::from(run.held)]
-            } else {
-                Shift::new(delay, i, self.substeps, self.step, run.held)
-            };
-            at.command = shift.mean(run, k);
-            let control = self.plant.dm_du * self.actuated(point, &at);
-            let mut forced = self.terms.iter().map(|term| term.effect.forcing(term.values, &at)).sum::<f64>();
-            if self.within_sample.is_empty() {
-                driven += per_moment * (control + forced);
-                continue;
-            }
-            let mut kicked = None;
-            if self.is_impulsive {
-                at.command_ends = shift.at_ends(run, k);
-                let impulses = self.within_sample.iter().map(|term| term.effect.impulse(term.values, &at));
-                let impulse = impulses.sum::<f64>();
-                if !run.held {
-                    forced += impulse / at.dt;
-                } else if impulse != 0.0 {
-                    let factor = impulse / inertia_factor(&self.terms, &at);
-                    kicked = Some(self.kick.left(at.command_left()) * factor);
-                }
-            }
-            self.substep_with_terms(point, control, forced, kicked, &at);
-        }
-        point.roll_rate = at_row(&run.beside.roll_rate, k + 1);
-        if self.within_sample.is_empty() {
-            point.x = self.sample.apply(&point.x) + driven;
-        }
-        point.x[Q].abs() < DIVERGED * self.sizes.q
-            && point.x[THETA].abs() < DIVERGED * self.sizes.theta.max(1.0)
+        let mut drives = [Drive::default(); MOST_SUBSTEPS];
+        let drives = &mut drives[..self.substeps];
+        self.drive(&mut point.own, run, k, &mut at, drives);
+        self.moved(point, run, k, &mut at, drives)
     }
 
-    /// What the blades do in one substep when the delayed command arrives.
-    fn actuated(&self, point: &mut Point, at: &Conditions) -> f64 {
-        let mut u = at.command;
-        for Placed { effect, values, own } in &self.terms {
-            u = effect.actuate(values, &mut point.own[own.clone()], u, at);
+    /// The motion one sample further under `drives`, one for each substep; `at` are the conditions of any row.
+    fn moved(&self, point: &mut Point, run: &Run, k: usize, at: &mut Conditions, drives: &[Drive]) -> bool {
+        if self.within_sample.is_empty() {
+            let mut driven = State::zeros();
+            for (per_moment, drive) in self.per_moment_of_substep.iter().zip(drives) {
+                driven += per_moment * (self.plant.dm_du * drive.blades + drive.forced);
+            }
+            point.x = self.sample.apply(&point.x) + driven;
+        } else {
+            set_beside(at, run, k);
+            for (i, drive) in drives.iter().enumerate() {
+                at.t = run.elapsed(k) + i as f64 * at.dt;
+                at.command = drive.command;
+                let mut forced = drive.forced;
+                let mut kicked = None;
+                if self.is_impulsive {
+                    at.command_ends = self.shift(i, run, at).at_ends(run, k);
+                    let impulses = self.within_sample.iter().map(|term| term.effect.impulse(term.values, at));
+                    let impulse = impulses.sum::<f64>();
+                    if !run.held {
+                        forced += impulse / at.dt;
+                    } else if impulse != 0.0 {
+                        let factor = impulse / inertia_factor(&self.terms, at);
+                        kicked = Some(self.kick.left(at.command_left()) * factor);
+                    }
+                }
+                self.substep_with_terms(point, self.plant.dm_du * drive.blades, forced, kicked, at);
+            }
         }
-        u
+        point.roll_rate = at_row(&run.beside.roll_rate, k + 1);
+        point.x[Q].abs() < DIVERGED * self.sizes.q
+            && point.x[THETA].abs() < DIVERGED * self.sizes.theta.max(1.0)
     }
 
     /// One substep under the control moment `control` and the moment `forced` that the motion has no part in; `kicked` is what

@@ -57,7 +57,7 @@ pub struct Left {
 impl Left {
     /// Of `fit`. `None` where it has no finite innovations or derivatives.
     pub fn new(problem: &Problem<'_>, fit: &Fit) -> Option<Self> {
-        let residuals = |v: &[f64]| problem.prediction_errors(&fit.effects, v);
+        let residuals = problem.prediction_errors(&fit.effects);
         let coordinates = problem.coordinates(&fit.effects);
         let slopes =
             Chord::new(&residuals, problem.channels(), &coordinates, &fit.minimum.values)?.into_jacobian();

@@ -94,7 +94,7 @@ pub fn delay(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
 fn with_delay(free: &Problem<'_>, fit: &Fit, start: f64) -> Option<Fit> {
     let mut values = fit.minimum.values.clone();
     values.insert(2, start);
-    let residuals = |v: &[f64]| free.prediction_errors(&fit.effects, v);
+    let residuals = free.prediction_errors(&fit.effects);
     let minimum = minimize(&residuals, free.channels(), &free.coordinates(&fit.effects), &values, EFFORT)?;
     Some(Fit { effects: fit.effects.clone(), minimum })
 }

@@ -1,6 +1,6 @@
 //! The model as a predictor: its gains, its innovations, and how what it lacks shows in them.
 
-use super::{Gains, Output, PitchModel, Point};
+use super::{Drive, Gains, Output, PitchModel, Point};
 use crate::dataset::Run;
 use crate::model::innovation_filter::InnovationFilter;
 use crate::model::kalman::{Channel, steady_gain};
@@ -85,6 +85,30 @@ impl PitchModel<'_> {
         rows: usize,
         mut visit: impl FnMut(usize, &Point),
     ) -> Option<Vec<Output>> {
+        let next = |point: &mut Point, k: usize| {
+            visit(k, point);
+            self.advance(point, run, k)
+        };
+        self.predicted(run, gains, rows, next)
+    }
+
+    /// The same over as many rows as there are `drives` for.
+    pub fn innovations_under(&self, run: &Run, gains: &Gains, drives: &[Drive]) -> Option<Vec<Output>> {
+        let mut at = self.conditions;
+        let next = |point: &mut Point, k: usize| {
+            self.moved(point, run, k, &mut at, &drives[k * self.substeps..][..self.substeps])
+        };
+        self.predicted(run, gains, drives.len() / self.substeps, next)
+    }
+
+    /// Innovations of `rows` rows; `next` takes the corrected state of row k to row k+1, `false` where it diverges.
+    fn predicted(
+        &self,
+        run: &Run,
+        gains: &Gains,
+        rows: usize,
+        mut next: impl FnMut(&mut Point, usize) -> bool,
+    ) -> Option<Vec<Output>> {
         let mut point = self.start(run);
         let mut innovations = Vec::with_capacity(rows);
         let mut censored = Vec::new();
@@ -109,8 +133,7 @@ impl PitchModel<'_> {
                 censored.push(k);
             }
             innovations.push(e);
-            visit(k, &point);
-            if !self.advance(&mut point, run, k) {
+            if !next(&mut point, k) {
                 return None;
             }
         }
@@ -123,6 +146,9 @@ impl PitchModel<'_> {
 /// alike: a reading at the limit says where the limit is and that the rate is at least that, and neither that the model is right
 /// nor how strong the noise is (hot-deck imputation: Andridge and Little, Int. Stat. Rev. 78, 2010).
 fn impute(innovations: &mut [Output], censored: &[usize]) {
+    if censored.is_empty() {
+        return;
+    }
     let mut is_censored = vec![false; innovations.len()];
     censored.iter().for_each(|&k| is_censored[k] = true);
     let donors: Vec<usize> = (0..innovations.len()).filter(|&k| !is_censored[k]).collect();
