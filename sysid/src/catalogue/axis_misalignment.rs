@@ -2,7 +2,7 @@
 
 use crate::dataset::{Amplitudes, Dataset};
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
+use crate::model::effect::{About, Effect, Locus, Parameter, Picture, Scale, Signal};
 use crate::model::pitch::Output;
 
 /// q_meas = q cos a + p sin a.
@@ -37,9 +37,9 @@ impl Effect for AxisMisalignment {
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
         data.has_rate && data.varies(|beside| beside.roll_rate.as_deref())
     }
-    fn measure(&self, p: &[f64], _s: &[f64], y: Output, at: &Conditions) -> Output {
+    fn measure(&self, p: &[f64], _s: &[f64], y: Output, roll_rate: f64) -> Output {
         let (sin, cos) = p[0].to_radians().sin_cos();
-        [y[0] * cos + at.roll_rate * sin, y[1]]
+        [y[0] * cos + roll_rate * sin, y[1]]
     }
 }
 
@@ -49,9 +49,8 @@ mod tests {
 
     #[test]
     fn half_a_right_angle_shows_both_rates_alike() {
-        let at = Conditions { roll_rate: 0.3, ..Conditions::default() };
-        let [rate, angle] = AxisMisalignment.measure(&[45.0], &[], [0.5, 0.1], &at);
+        let [rate, angle] = AxisMisalignment.measure(&[45.0], &[], [0.5, 0.1], 0.3);
         assert!((rate - 0.8 * 0.5_f64.sqrt()).abs() < 1e-12 && angle == 0.1);
-        assert_eq!(AxisMisalignment.measure(&[0.0], &[], [0.5, 0.1], &at), [0.5, 0.1]);
+        assert_eq!(AxisMisalignment.measure(&[0.0], &[], [0.5, 0.1], 0.3), [0.5, 0.1]);
     }
 }

@@ -3,7 +3,7 @@
 use crate::dataset::Amplitudes;
 use crate::dataset::Dataset;
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
+use crate::model::effect::{About, Effect, Locus, Parameter, Scale};
 use crate::model::pitch::Output;
 
 /// q_meas = q + b.
@@ -35,7 +35,7 @@ impl Effect for GyroBias {
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
         data.has_rate
     }
-    fn measure(&self, p: &[f64], _s: &[f64], y: Output, _at: &Conditions) -> Output {
+    fn measure(&self, p: &[f64], _s: &[f64], y: Output, _roll_rate: f64) -> Output {
         [y[0] + p[0], y[1]]
     }
 }

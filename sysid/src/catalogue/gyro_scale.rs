@@ -3,7 +3,7 @@
 use crate::dataset::Amplitudes;
 use crate::dataset::Dataset;
 use crate::model::baseline::Baseline;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
+use crate::model::effect::{About, Effect, Locus, Parameter, Picture, Scale, Signal};
 use crate::model::pitch::Output;
 
 /// q_meas = (1 + s) q.
@@ -32,7 +32,7 @@ impl Effect for GyroScale {
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
         data.has_rate && data.has_angle
     }
-    fn measure(&self, p: &[f64], _s: &[f64], y: Output, _at: &Conditions) -> Output {
+    fn measure(&self, p: &[f64], _s: &[f64], y: Output, _roll_rate: f64) -> Output {
         [(1.0 + p[0]) * y[0], y[1]]
     }
 }

@@ -91,9 +91,14 @@ impl ScaledShape {
     }
 }
 
+/// Coefficients and scales.
+fn split(p: &[f64]) -> (&[f64], &[f64]) {
+    p.split_at(p.len().saturating_sub(SCALES.len()))
+}
+
 /// Coefficients, and the conditions with the term's own scales.
 fn own<'p>(p: &'p [f64], at: &Conditions) -> (&'p [f64], Conditions) {
-    let (coefficients, scales) = p.split_at(p.len().saturating_sub(SCALES.len()));
+    let (coefficients, scales) = split(p);
     let &[q, theta, u, duration] = scales else { return (coefficients, *at) };
     (coefficients, Conditions { sizes: Amplitudes { q, theta, u, duration, ..at.sizes }, ..*at })
 }
@@ -135,8 +140,8 @@ impl Effect for ScaledShape {
         let (coefficients, at) = own(p, at);
         self.0.sense(coefficients, s, q, theta, control, &at);
     }
-    fn measure(&self, p: &[f64], s: &[f64], y: Output, at: &Conditions) -> Output {
-        self.0.measure(own(p, at).0, s, y, at)
+    fn measure(&self, p: &[f64], s: &[f64], y: Output, roll_rate: f64) -> Output {
+        self.0.measure(split(p).0, s, y, roll_rate)
     }
 }
 
@@ -163,7 +168,7 @@ mod tests {
         let states = term.effect.states();
         let moment = term.effect.moment(&term.values, &own[..states], 0.2, -0.06, &at);
         term.effect.sense(&term.values, &mut own[..states], 0.2, -0.06, 1.0, &at);
-        (moment, own, term.effect.measure(&term.values, &own[..states], [0.2, -0.06], &at))
+        (moment, own, term.effect.measure(&term.values, &own[..states], [0.2, -0.06], 0.0))
     }
 
     #[test]

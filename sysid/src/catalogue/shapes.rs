@@ -369,7 +369,7 @@ impl Effect for Shape {
             s.copy_from_slice(&memory);
         }
     }
-    fn measure(&self, p: &[f64], s: &[f64], y: Output, _at: &Conditions) -> Output {
+    fn measure(&self, p: &[f64], s: &[f64], y: Output, _roll_rate: f64) -> Output {
         if !self.measured {
             return y;
         }

@@ -49,7 +49,7 @@ impl Effect for StructuralMode {
         let (omega, zeta) = (p[0], p[1]);
         oscillate(s, omega, zeta, p[2] * control / (omega * omega), at.dt);
     }
-    fn measure(&self, _p: &[f64], s: &[f64], y: Output, _at: &Conditions) -> Output {
+    fn measure(&self, _p: &[f64], s: &[f64], y: Output, _roll_rate: f64) -> Output {
         [y[0] + s[1], y[1] + s[0]]
     }
 }

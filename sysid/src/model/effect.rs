@@ -237,7 +237,9 @@ pub trait Effect: Sync {
     fn states(&self) -> usize {
         0
     }
-    /// Whether it acts on the motion, or is moved by it, within a sample: then samples are cut into substeps.
+    /// Whether it acts on the motion, or is moved by it, within a sample (by `impulse`, `moment`, `inertia`, `angle_rate`,
+    /// `follow`, `sense`): then samples are cut into substeps. One that does not acts on what drives the motion (by `delay`,
+    /// `actuate`, `forcing`), which the motion has no part in; no effect does both.
     fn within_sample(&self) -> bool {
         false
     }
@@ -294,8 +296,8 @@ pub trait Effect: Sync {
     /// Moves its own states over one step, with the pitch rate `q` in rad/s and angle `theta` in rad at the IMU and the
     /// acceleration `control` that the control moment gives the airframe in rad/s².
     fn sense(&self, _p: &[f64], _s: &mut [f64], _q: f64, _theta: f64, _control: f64, _at: &Conditions) {}
-    /// What the sensors make of the rate and angle `y` at the IMU; of the conditions, the roll rate is that of the sample.
-    fn measure(&self, _p: &[f64], _s: &[f64], y: Output, _at: &Conditions) -> Output {
+    /// What the sensors make of the rate and angle `y` at the IMU, while the airframe rolls at `roll_rate` in rad/s.
+    fn measure(&self, _p: &[f64], _s: &[f64], y: Output, _roll_rate: f64) -> Output {
         y
     }
     /// What the log can show of the sensors' `y`; after all that the sensors make.

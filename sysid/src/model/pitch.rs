@@ -76,6 +76,8 @@ pub struct PitchModel<'a> {
     driving: Vec<Placed<'a>>,
     /// Those that act on the motion, or are moved by it, within a sample; without any, samples are not cut.
     within_sample: Vec<Placed<'a>>,
+    /// Those of these that have states of their own.
+    following: Vec<Placed<'a>>,
     /// Whether one of these is impulsive.
     is_impulsive: bool,
     /// Over a whole sample.
@@ -200,6 +202,7 @@ impl<'a> PitchModel<'a> {
             measured: (rate, angle),
             is_impulsive: within_sample.iter().any(|term| term.effect.is_impulsive()),
             driving,
+            following: within_sample.iter().filter(|term| !term.own.is_empty()).cloned().collect(),
             within_sample,
             has_limit: limited(&terms, BEYOND) != BEYOND,
             terms,
@@ -257,9 +260,8 @@ impl<'a> PitchModel<'a> {
     fn sensed(&self, point: &Point) -> Output {
         let (rate, angle) = self.measured;
         let y = [point.x[rate], point.x[angle]];
-        let at = Conditions { roll_rate: point.roll_rate, ..self.conditions };
         let sense = |y, Placed { effect, values, own }: &Placed<'_>| {
-            effect.measure(values, &point.own[own.clone()], y, &at)
+            effect.measure(values, &point.own[own.clone()], y, point.roll_rate)
         };
         self.terms.iter().fold(y, sense)
     }
@@ -323,30 +325,37 @@ impl<'a> PitchModel<'a> {
     ) {
         let (before, driving) = (point.x, control + forced);
         let (moment, angle_rate) = self.nonlinear(&before, &point.own, driving, at);
-        point.x = self.substep.apply(&before)
-            + self.per_moment * (driving + moment)
-            + self.per_angle_rate * angle_rate;
+        let mut after = self.acted_on(self.substep.apply(&before), driving + moment, angle_rate);
         if let Some(kicked) = kicked {
-            point.x += kicked;
+            after += kicked;
         }
-        let mut middle = (before + point.x) * 0.5;
+        let mut middle = (before + after) * 0.5;
         // The chord cuts off an angle that swings: Hermite's cubic through both ends does not.
-        middle[THETA] += at.dt * (before[Q] - point.x[Q]) / 8.0;
+        middle[THETA] += at.dt * (before[Q] - after[Q]) / 8.0;
         let (corrected, corrected_rate) = self.nonlinear(&middle, &point.own, driving, at);
-        point.x +=
-            self.per_moment * (corrected - moment) + self.per_angle_rate * (corrected_rate - angle_rate);
+        let after = self.acted_on(after, corrected - moment, corrected_rate - angle_rate);
+        point.x = after;
         let (rate, angle) = self.measured;
-        let (q, theta, acceleration) = (point.x[rate], point.x[angle], control / self.plant.inertia);
-        let mean = |state: usize| 0.5 * (before[state] + point.x[state]);
-        let (mean_rate, mean_angle) = (mean(Q), mean(THETA));
-        for Placed { effect, values, own } in &self.within_sample {
+        let mean = |state: usize| 0.5 * (before[state] + after[state]);
+        for Placed { effect, values, own } in &self.following {
             let own = &mut point.own[own.clone()];
-            effect.follow(values, own, mean_rate, mean_angle, at);
-            effect.sense(values, own, q, theta, acceleration, at);
+            effect.follow(values, own, mean(Q), mean(THETA), at);
+            effect.sense(values, own, after[rate], after[angle], control / self.plant.inertia, at);
         }
     }
 
+    /// `x` at the end of a substep with a `moment` and an addition to θ̇ during it.
+    #[inline(always)]
+    fn acted_on(&self, mut x: State, moment: f64, angle_rate: f64) -> State {
+        x += self.per_moment * moment;
+        if angle_rate != 0.0 {
+            x += self.per_angle_rate * angle_rate;
+        }
+        x
+    }
+
     /// Moment and rate of the angle that the effects add to the linear model at state `x`.
+    #[inline(always)]
     fn nonlinear(&self, x: &State, own: &[f64; OWN_STATES], driving: f64, at: &Conditions) -> (f64, f64) {
         let (q, theta) = (x[Q], x[THETA]);
         let (mut moment, mut angle_rate) = (self.stiffness * theta + self.damping * q, 0.0);
