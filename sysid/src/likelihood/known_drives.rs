@@ -42,3 +42,23 @@ impl KnownDrives {
         drives
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::catalogue::find;
+    use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model};
+
+    #[test]
+    fn what_is_kept_changes_no_bit() {
+        fitted(&flight(3, 0.0).recording(), &model(GAIN, 0.06), |_, problem, fit| {
+            let effects = ["servo_lag", "coulomb_friction"].map(|id| find(id).unwrap());
+            let kept = problem.prediction_errors(&effects);
+            let start = [&fit.minimum.values[..], &[0.04, 0.1]].concat();
+            for moved in (0..start.len()).chain((0..start.len()).rev()) {
+                let mut values = start.clone();
+                values[moved] *= 1.01;
+                assert_eq!(kept(&values), problem.errors_of(&problem.unpack(&effects, &values)), "{moved}");
+            }
+        });
+    }
+}
