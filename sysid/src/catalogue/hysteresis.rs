@@ -48,14 +48,14 @@ impl Effect for Hysteresis {
                 name: "k",
                 unit: "N m/rad",
                 lower: 0.03 * unit,
-                upper: 30.0 * unit,
+                upper: 1000.0 * unit,
                 scale: Scale::Log,
             },
         ]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         let unit = data.moment / data.theta;
-        [0.3, 2.0].map(|share| vec![0.15 * data.moment, share * unit]).to_vec()
+        [0.3, 2.0, 20.0].map(|share| vec![0.15 * data.moment, share * unit]).to_vec()
     }
     fn states(&self) -> usize {
         1
