@@ -4,11 +4,13 @@
 //! the dwell d_i after switch i, its direction s_i = ±1, its place τ_i from 0 to 1, and rate and angle there,
 //!
 //! ```text
-//! d_i = c_0 + c_1 s_i + c_2 τ_i + c_3 τ_i² + c_4 τ_i³  +  a_1 s_i q_i + a_2 |q_i| + a_3 s_i θ_i + a_4 |θ_i|  + error
+//! d_i = c_0 + c_1 s_i + c_2 τ_i + c_3 τ_i² + c_4 τ_i³ + Σ_{j=1..4} (b_j + b'_j s_i) d_{i−j}
+//!       + a_1 s_i q_i + a_2 |q_i| + a_3 s_i θ_i + a_4 |θ_i|  + error
 //! ```
 //!
-//! and an input whose dwells are drawn beforehand has a = 0 (F test). Dwells that follow from those before, as in a sequence
-//! that repeats itself or a sweep, are known from the motion that those made, and are not asked.
+//! and an input whose dwells are drawn beforehand has a = 0 (F test). What the dwells before tell of this one, in each direction,
+//! is no news of the motion that they made: pulses to and fro and back are drawn in groups. A sequence that repeats itself, or a
+//! sweep, is known from them altogether and is not asked.
 
 use super::feedback::{Kind, Test};
 use nalgebra::{DMatrix, DVector};
@@ -25,8 +27,8 @@ const REPEATS: f64 = 0.6;
 /// Correlation of a dwell with the one before from which they follow from each other.
 const FOLLOWS: f64 = 0.8;
 /// Regressors that stand for the input alone, and all.
-const OWN: usize = 5;
-const ALL: usize = 9;
+const OWN: usize = 5 + 2 * PAST;
+const ALL: usize = OWN + 4;
 
 /// The test of one section; `None` where the input is no sequence of steps, or too short a one.
 pub(super) fn dwells(u: &[f64], rate: &[f64], angle: &[f64], supervised: &[bool]) -> Option<Test> {
@@ -39,7 +41,7 @@ pub(super) fn dwells(u: &[f64], rate: &[f64], angle: &[f64], supervised: &[bool]
         return None;
     }
     let free = |i: &usize| !supervised[switches[*i]..=switches[i + 1]].contains(&true);
-    let asked: Vec<usize> = (0..dwells.len()).filter(free).collect();
+    let asked: Vec<usize> = (PAST..dwells.len()).filter(free).collect();
     if asked.len() < FEWEST {
         return None;
     }
@@ -48,7 +50,8 @@ pub(super) fn dwells(u: &[f64], rate: &[f64], angle: &[f64], supervised: &[bool]
         let side = (u[k] - u[k - 1]).signum();
         let place = i as f64 / dwells.len() as f64;
         let own = [1.0, side, place, place.powi(2), place.powi(3)];
-        own.into_iter().chain([side * rate[k], rate[k].abs(), side * angle[k], angle[k].abs()])
+        let before = dwells[i - PAST..i].iter().flat_map(move |&d| [d as f64, side * d as f64]);
+        own.into_iter().chain(before).chain([side * rate[k], rate[k].abs(), side * angle[k], angle[k].abs()])
     };
     let rows = asked.iter().flat_map(|&i| regressors(i));
     let x = DMatrix::from_row_iterator(asked.len(), ALL, rows);
@@ -129,6 +132,23 @@ mod tests {
         assert!(below(0.001) <= 3, "{}", below(0.001));
         let closed = asked(1, 6.0, |_, random| random.random_range(10..20)).unwrap();
         assert!(closed.p_value < 1e-6 && closed.share > 0.2, "{} {}", closed.p_value, closed.share);
+    }
+
+    #[test]
+    fn pulses_to_and_fro_and_back_are_drawn_in_groups() {
+        let odds: Vec<f64> = (0..100)
+            .map(|seed| {
+                let mut random = Pcg64::seed_from_u64(1000 + seed);
+                let drawn: Vec<usize> = (0..120).map(|_| random.random_range(6..20)).collect();
+                // +d −2d +d, and the first of the next group after the last
+                let dwell = |count: usize| match count % 2 {
+                    0 => drawn[count / 2] + if count == 0 { 0 } else { drawn[count / 2 - 1] },
+                    _ => 2 * drawn[count / 2],
+                };
+                asked(seed, 0.0, |count, _| dwell(count)).map_or(1.0, |test| test.p_value)
+            })
+            .collect();
+        assert!(odds.iter().all(|p| *p > 1e-4), "{odds:?}");
     }
 
     #[test]
