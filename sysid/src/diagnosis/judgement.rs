@@ -3,7 +3,7 @@
 use super::adequacy::{Test, failing, tests};
 use super::answer::Verdict;
 use super::gust::{Gust, gust};
-use super::levels::{ADEQUACY, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, WORTH_A_NAME};
+use super::levels::{ADEQUACY, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, WORTH_A_NAME};
 use super::materiality::{closed, is_immaterial, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
@@ -96,9 +96,9 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let failed: Vec<Test> = failing(&all, ADEQUACY).into_iter().cloned().collect();
         let closes = failed.iter().filter(|test| test.of_physics).map(|test| test.closes);
         let untold = 0.5 * closes.fold(0.0, f64::max);
-        let gust = gust(problem, fit);
         let findings = [&named[..], &shapes].concat();
         let rotation = rotate(problem, &selection, place, &findings, parts, progress);
+        let gust = if ahead(&rotation) < CALM { gust(problem, fit) } else { None };
         let chosen = |finding: &Finding| {
             rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen_in_kind)
         };

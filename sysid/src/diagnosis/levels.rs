@@ -33,6 +33,8 @@ pub const HORIZONS_S: [f64; 3] = [0.1, 0.3, 1.0];
 /// VAF of predictions 1 s ahead, held out, per cent, below which nothing is named in a loop that was closed unsaid: most of the
 /// motion is then the noise that went round it. An answer without a name says so below it.
 pub const SEEN_IN_A_LOOP: f64 = 50.0;
+/// VAF of predictions 1 s ahead, held out, per cent, from which on what the input does not cause is too little to be told as a gust.
+pub const CALM: f64 = 98.0;
 /// VAF of predictions at the best horizon, per cent, below which nothing follows from the input: a model that predicts nothing has
 /// nothing that could be missing from it.
 pub const SEEN_AT_ALL: f64 = 2.0;
