@@ -13,6 +13,8 @@ use crate::error::{Error, ErrorKind};
 
 /// A difference beyond this many steps is a gap; up to two missing samples are filled.
 const GAP: f64 = 3.5;
+/// A difference beyond this many steps has a row missing in it.
+const MISSING: f64 = 1.5;
 /// Jitter, in steps, that is snapped to the grid; more is resampled.
 const SNAP: f64 = 0.05;
 /// Jitter, in steps, that is the rounding of the numbers and not worth a word.
@@ -254,6 +256,9 @@ fn note_resampled(t: &[f64], stretches: &[Range<usize>], step: f64, hold: InputH
 struct Point {
     row: usize,
     part: f64,
+    /// The row whose held values it has: the nearer one, unless rows are missing between the two. The one before would be late by
+    /// a share of the step that wanders with the stamps, as no loop's delay does.
+    held: usize,
 }
 
 /// Lays the grid over every stretch and moves the table onto it; returns the stretches' new rows.
@@ -284,7 +289,8 @@ fn resample(
                 at += 1;
             }
             let point = place(t, at, time, step);
-            points.push(Point { row: rows.start + point.row, part: point.part });
+            let [row, held] = [point.row, point.held].map(|row| rows.start + row);
+            points.push(Point { row, held, ..point });
             times.push(time);
         }
         filled += count.saturating_sub(rows.len());
@@ -299,13 +305,18 @@ fn resample(
 }
 
 fn place(t: &[f64], at: usize, time: f64, step: f64) -> Point {
-    let Some(next) = t.get(at + 1) else { return Point { row: at, part: 0.0 } };
+    let on = |row: usize| Point { row, part: 0.0, held: row };
+    let Some(next) = t.get(at + 1) else { return on(at) };
     let near = 1e-3 * step;
     if (time - next).abs() <= near {
-        return Point { row: at + 1, part: 0.0 };
+        return on(at + 1);
     }
-    let part = (time - t[at]) / (next - t[at]);
-    Point { row: at, part: if time - t[at] <= near { 0.0 } else { part.clamp(0.0, 1.0) } }
+    if time - t[at] <= near {
+        return on(at);
+    }
+    let part = ((time - t[at]) / (next - t[at])).clamp(0.0, 1.0);
+    let is_missing = next - t[at] > MISSING * step;
+    Point { row: at, part, held: if part > 0.5 && !is_missing { at + 1 } else { at } }
 }
 
 fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHold) {
@@ -314,9 +325,12 @@ fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHo
         let held = signal.source.role.is_held()
             && !(signal.source.role.is_command() && hold == InputHold::Interpolated);
         let on_grid = |point: &Point| {
+            if held {
+                return old[point.held];
+            }
             let value = old[point.row];
             match old.get(point.row + 1) {
-                Some(next) if !held && point.part > 0.0 => value + point.part * (next - value),
+                Some(next) if point.part > 0.0 => value + point.part * (next - value),
                 _ => value,
             }
         };
