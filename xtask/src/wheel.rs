@@ -15,7 +15,7 @@ pub fn build() -> Outcome {
     output(Command::new(program.join("python")).args(["-m", "pip", "install", "--quiet", MATURIN]))?;
     let mut maturin = Command::new(program.join("maturin"));
     maturin.args(["build", "--release", "--manifest-path"]).arg(root.join("python/Cargo.toml"));
-    maturin.arg("--out").arg(&wheels).env("CARGO_TARGET_DIR", root.join("target/package"));
+    maturin.arg("--out").arg(&wheels).env("CARGO_TARGET_DIR", root.join("target"));
     output(&mut maturin)?;
     let files = std::fs::read_dir(&wheels).map_err(|error| format!("{}: {error}", wheels.display()))?;
     for file in files.flatten() {
