@@ -378,6 +378,14 @@ fn angle_lag() {
 }
 
 #[test]
+fn angle_skew() {
+    for delta in [0.012, -0.012] {
+        let mut concealed = Shown(move |now: &Now| [now.q, now.theta - delta * now.q]);
+        finds("angle_skew", &[("delta", delta)], &[], &mut concealed);
+    }
+}
+
+#[test]
 fn nothing_is_found_where_nothing_is_concealed() {
     let found = answer(flown(7, true, &mut Moment(|_: &Now| 0.0)));
     assert!(found.effects.is_empty(), "{}", found.summary);

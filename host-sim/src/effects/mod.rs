@@ -18,6 +18,7 @@
 //! | [`Effect::limit`] | readings after the noise |
 
 mod angle_lag;
+mod angle_skew;
 mod asymmetric_friction;
 mod asymmetric_servo;
 mod axis_misalignment;
@@ -45,6 +46,7 @@ mod oscillator;
 mod outside;
 mod periodic_moment;
 mod quadratic_drag;
+mod rest_angle;
 mod rotor_reaction;
 mod servo_deadband;
 mod servo_lag;
@@ -113,10 +115,14 @@ pub const CATALOGUE: &[Entry] = &[
     gyro_saturation::ENTRY,
     imu_mount::ENTRY,
     angle_lag::ENTRY,
+    angle_skew::ENTRY,
     axis_misalignment::ENTRY,
     gust_disturbance::ENTRY,
     periodic_moment::ENTRY,
 ];
+
+/// Effects of the catalogue that show only beside one that depends on the angle: by itself none of them changes the motion.
+pub const BESIDE_A_SPRING: &[Entry] = &[rest_angle::ENTRY];
 
 /// Physics that no catalogue has.
 pub const OUTSIDE: &[Entry] = &[
@@ -137,7 +143,7 @@ pub const UNTOUCHED: &[Entry] =
 
 /// Every effect that the simulator knows: catalogue, outside, untouched.
 pub fn every() -> impl Iterator<Item = &'static Entry> {
-    CATALOGUE.iter().chain(OUTSIDE).chain(UNTOUCHED)
+    CATALOGUE.iter().chain(BESIDE_A_SPRING).chain(OUTSIDE).chain(UNTOUCHED)
 }
 
 /// Physics that the plant of eq. 9 leaves out. Every hook does nothing unless it is overridden.

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use estimator_core::Phase;
 use experiment::vehicle::{plant, settings};
 use host_sim::effects::{Entry, Parameter};
-use host_sim::{Air, Background, CATALOGUE, Flight, OUTSIDE, Scenario, UNTOUCHED, fly};
+use host_sim::{Air, BESIDE_A_SPRING, Background, CATALOGUE, Flight, OUTSIDE, Scenario, UNTOUCHED, fly};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use sysid::catalogue::model_file::read_model;
@@ -85,7 +85,7 @@ fn after_help() -> String {
     let outside = OUTSIDE.iter().chain(UNTOUCHED);
     format!(
         "Effects and their parameters, with the usual range of magnitudes (± where negative values are usual too):\n{}\
-         imu_mount replaces the vehicle's own mount: diagnose it against a model without one.\n\n\
+         imu_mount replaces the vehicle's own mount: diagnose it against a model without one. rest_angle shows only beside a spring.\n\n\
          Outside the catalogue, to try what a diagnosis says of physics that it has no name for:\n{}\n\
          Examples:\n  \
          pitchid simulate --out nominal.csv\n  \
@@ -93,16 +93,16 @@ fn after_help() -> String {
          pitchid simulate --effect gyro_lag --effect end_stop:ks=3,theta_s=0.2 --out two.csv\n  \
          pitchid simulate --model extended.toml --background paper --out again.csv\n\n\
          Exit status: 0 the test was flown, however it ended; 2 the arguments could not be used.",
-        grouped(CATALOGUE),
+        grouped(&CATALOGUE.iter().chain(BESIDE_A_SPRING).collect::<Vec<_>>()),
         outside.map(line).collect::<String>()
     )
 }
 
 /// The catalogue, by place in the loop.
-fn grouped(entries: &[Entry]) -> String {
+fn grouped(entries: &[&Entry]) -> String {
     let places = ["actuator", "pitch_moment", "timing", "sensor", "environment"];
     let group = |place: &str| -> String {
-        let lines = entries.iter().filter(|entry| entry.locus == place).map(line);
+        let lines = entries.iter().copied().filter(|entry| entry.locus == place).map(line);
         format!(" {}\n{}", place.replace('_', " "), lines.collect::<String>())
     };
     places.map(group).concat()

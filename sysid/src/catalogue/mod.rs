@@ -1,6 +1,7 @@
 //! The catalogue: physics that a pitch model may leave out, one file each, and shapes for what has no name.
 
 mod angle_lag;
+mod angle_skew;
 mod asymmetric_friction;
 mod asymmetric_servo;
 mod axis_misalignment;
@@ -28,6 +29,7 @@ pub mod model_file;
 mod moment_step;
 mod periodic_moment;
 mod quadratic_drag;
+mod rest_angle;
 pub mod roll_off;
 mod rotor_reaction;
 pub mod scaled_shape;
@@ -73,6 +75,7 @@ pub const CATALOGUE: &[&dyn Effect] = &[
     &quadratic_drag::QuadraticDrag,
     &gravity_stiffness::GravityStiffness,
     &cubic_stiffness::CubicStiffness,
+    &rest_angle::RestAngle,
     &end_stop::EndStop,
     &unilateral_spring::UnilateralSpring,
     &structural_mode::StructuralMode,
@@ -87,6 +90,7 @@ pub const CATALOGUE: &[&dyn Effect] = &[
     &gyro_scale::GyroScale,
     &gyro_lag::GyroLag,
     &angle_lag::AngleLag,
+    &angle_skew::AngleSkew,
     &gyro_saturation::GyroSaturation,
     &imu_mount::ImuMount,
     &axis_misalignment::AxisMisalignment,

@@ -18,8 +18,8 @@ use crate::dataset::{Amplitudes, Run};
 use crate::model::effect::{Conditions, Effect};
 use crate::model::noise::Disturbance;
 use crate::model::plant::{GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU};
-use nalgebra::{RowSVector, SMatrix};
 use drive::set_beside;
+use nalgebra::{RowSVector, SMatrix};
 use placed::{Placed, inertia_factor, later, limited, linear_part, placed};
 
 /// Longest step of the midpoint rule, s.
@@ -240,16 +240,22 @@ impl<'a> PitchModel<'a> {
     pub fn start(&self, run: &Run) -> Point {
         let first =
             |signal: &Option<Vec<f64>>| signal.as_ref().and_then(|s| s.first()).copied().unwrap_or(0.0);
-        let (rate, angle) = (first(&run.rate), first(&run.angle));
-        let mut x = State::zeros();
-        x[Q] = rate;
-        x[GYRO] = if self.measured.1 == GYRO { angle } else { rate };
-        x[THETA] = angle;
-        if self.plant.mount.is_some() {
-            x[Q_IMU] = rate;
-            x[THETA_IMU] = angle;
-        }
-        Point { x, own: [0.0; OWN_STATES], roll_rate: at_row(&run.beside.roll_rate, 0) }
+        let (rate, shown) = (first(&run.rate), first(&run.angle));
+        let resting_at = |angle: f64| {
+            let mut x = State::zeros();
+            x[Q] = rate;
+            x[GYRO] = if self.measured.1 == GYRO { angle } else { rate };
+            x[THETA] = angle;
+            if self.plant.mount.is_some() {
+                x[Q_IMU] = rate;
+                x[THETA_IMU] = angle;
+            }
+            Point { x, own: [0.0; OWN_STATES], roll_rate: at_row(&run.beside.roll_rate, 0) }
+        };
+        // a sensor with another zero shows that angle at another one
+        let there = resting_at(shown);
+        let off = self.sensed(&there)[1] - shown;
+        if off == 0.0 { there } else { resting_at(shown - off) }
     }
 
     /// What the log shows at `point`.

@@ -35,7 +35,7 @@ pub fn write(root: &Path, pitchid: &Path) -> Outcome {
         let about = effect.about();
         let id = about.id;
         let words = prose.get(id).ok_or(format!("rivals.toml says nothing of {id}"))?;
-        let test = fly(id, &folder, &work, pitchid)?;
+        let test = fly(id, words.get("beside"), &folder, &work, pitchid)?;
         let page = page(*effect, words, &test)?;
         fs::write(folder.join(format!("{id}.md")), page).map_err(|error| error.to_string())?;
         let _ = writeln!(list, "| [`{id}`]({id}.md) | {} | {} |", about.sentence, test.short(id));
@@ -46,6 +46,8 @@ pub fn write(root: &Path, pitchid: &Path) -> Outcome {
 
 /// What came of a test with an effect.
 struct Test {
+    /// The options that conceal it.
+    effects: Vec<String>,
     model: &'static str,
     concealed: String,
     answer: Value,
@@ -69,8 +71,9 @@ impl Test {
     }
 }
 
-/// Flies a test with the effect at its usual size and diagnoses it against the nominal model.
-fn fly(id: &str, folder: &Path, work: &Path, pitchid: &Path) -> Outcome<Test> {
+/// Flies a test with the effect at its usual size, and with the one `beside` which it shows, and diagnoses it against the nominal
+/// model.
+fn fly(id: &str, beside: Option<&String>, folder: &Path, work: &Path, pitchid: &Path) -> Outcome<Test> {
     let (recording, truth, answer) =
         (work.join("test.csv"), work.join("truth.json"), work.join("answer.json"));
     let pictures = work.join("pictures");
@@ -83,9 +86,13 @@ fn fly(id: &str, folder: &Path, work: &Path, pitchid: &Path) -> Outcome<Test> {
         let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
     };
+    let ids = std::iter::once(id).chain(beside.map(String::as_str));
+    let effects: Vec<String> = ids.flat_map(|id| ["--effect".to_owned(), id.to_owned()]).collect();
     output(
         Command::new(pitchid)
-            .args(["simulate", "--effect", id, "--out"])
+            .arg("simulate")
+            .args(&effects)
+            .arg("--out")
             .arg(&recording)
             .arg("--truth")
             .arg(&truth),
@@ -120,7 +127,7 @@ fn fly(id: &str, folder: &Path, work: &Path, pitchid: &Path) -> Outcome<Test> {
         .flatten()
         .flat_map(|effect| effect["parameters"].as_array().into_iter().flatten());
     let concealed: Vec<String> = concealed.map(|p| value(p, None)).collect();
-    Ok(Test { model, concealed: concealed.join(", "), answer: read(&answer)?, of_the_effect })
+    Ok(Test { effects, model, concealed: concealed.join(", "), answer: read(&answer)?, of_the_effect })
 }
 
 /// A parameter of an answer or a truth: name, value, unit and interval.
@@ -159,7 +166,8 @@ fn page(effect: &dyn Effect, words: &BTreeMap<String, String>, test: &Test) -> O
     }
     let _ = writeln!(
         page,
-        "\n## What the program says of a vehicle with it\n\n```sh\npitchid simulate --effect {id} --out {id}.csv\npitchid diagnose {id}.csv --model {} --pictures pictures\n```\n",
+        "\n## What the program says of a vehicle with it\n\n```sh\npitchid simulate {} --out {id}.csv\npitchid diagnose {id}.csv --model {} --pictures pictures\n```\n",
+        test.effects.join(" "),
         test.model
     );
     let _ = writeln!(page, "Concealed: {}. The answer: **{}**.\n", test.concealed, test.short(id));

@@ -1,6 +1,7 @@
 use super::*;
 use crate::catalogue::{CATALOGUE, find};
 use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model};
+use crate::diagnosis::fixture::{asked, flight_with};
 use crate::diagnosis::posterior::Finding;
 use crate::likelihood::fit::fit_baseline;
 
@@ -46,5 +47,24 @@ fn a_name_is_twice_as_likely_beforehand_as_a_shape_and_each_term_halves_the_odds
         let (name, shape) = (odds(&[lag]) * names, odds(&candidates.shapes[..1]) * shapes);
         assert!((name / shape - 2.0).abs() < 1e-9 && (name + shape - 0.5).abs() < 1e-9);
         assert!((odds(&[lag, lag]) - odds(&[lag]).powi(2)).abs() < 1e-15);
+    });
+}
+
+#[test]
+fn a_spring_about_another_zero_is_found_with_that_zero() {
+    let (stiffness, rests_at) = (200.0, 0.1);
+    let flight = flight_with(3, |_, _, angle| -stiffness * (angle - rests_at).powi(3));
+    asked(&flight, |problem, plain| {
+        let selection = select(problem, plain.clone(), CATALOGUE, &[], &|_| ()).unwrap();
+        let fit = &selection.visited[selection.extended].fit;
+        let value = |id: &str| fit.range_of(problem, id).map(|range| fit.minimum.values[range.start]);
+        let (Some(k3), Some(rest)) = (value("cubic_stiffness"), value("rest_angle")) else {
+            panic!("{:?}, {}", fit.ids(), problem.sizes.theta)
+        };
+        assert!(
+            (k3 / stiffness - 1.0).abs() < 0.1 && (rest - rests_at).abs() < 0.01,
+            "{:?} {k3} {rest}",
+            fit.ids()
+        );
     });
 }

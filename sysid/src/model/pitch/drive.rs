@@ -53,8 +53,7 @@ impl PitchModel<'_> {
             at.command = self.shift(i, run, at).mean(run, k);
             *drive = Drive { command: at.command, blades: at.command, forced: 0.0 };
             for term in &self.driving {
-                drive.blades =
-                    term.effect.actuate(term.values, &mut own[term.own.clone()], drive.blades, at);
+                drive.blades = term.effect.actuate(term.values, &mut own[term.own.clone()], drive.blades, at);
                 drive.forced += term.effect.forcing(term.values, at);
             }
         }
