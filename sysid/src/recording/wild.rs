@@ -4,9 +4,15 @@
 //! |x_k − m_k| > 8 · 1.4826 max(MAD_k, median_j |x_j − m_j|) and > 4 σ_x,   m_k, MAD_k over k − 7 .. k + 7
 //! ```
 //!
-//! (Hampel's identifier: Davies and Gather, J. Am. Stat. Assoc. 88, 1993.) Up to five in a row are bridged by a straight
-//! line and told by line; longer stretches are motion, and a signal with many of them has heavy tails, which is another
-//! matter.
+//! (Hampel's identifier: Davies and Gather, J. Am. Stat. Assoc. 88, 1993.) What is smaller than the motion is wild where it goes
+//! out in one row and back in the next, by far more than the signal does anywhere else:
+//!
+//! ```text
+//! r_k = x_k − (x_{k−1} + x_{k+1})/2,    |r_k| > 4 · 99.5 % point of |r|,    r_{k±1} of the other sign, beyond |r_k|/4
+//! ```
+//!
+//! Up to five in a row are bridged by a straight line and told by line; longer stretches are motion, and a signal with many of
+//! them has heavy tails, which is another matter.
 
 use super::clock::counted;
 use super::columns::Role;
@@ -21,6 +27,11 @@ const NORMAL: f64 = 1.4826;
 /// Standard deviations of the whole signal: what lies within is motion.
 const OF_ALL: f64 = 4.0;
 const MOST_IN_A_ROW: usize = 5;
+/// Share of the rows that are no further out and back than usual, and how much further a wild one is.
+const USUAL: f64 = 0.995;
+const OUT_AND_BACK: f64 = 4.0;
+/// Least share of it by which the rows beside it stand out the other way; half where nothing else moves.
+const OTHER_WAY: f64 = 0.25;
 /// Share of all samples from which on they are the signal's own.
 const MOST: f64 = 0.01;
 /// Lines that a note names.
@@ -100,7 +111,8 @@ fn wild_rows(values: &[f64]) -> Vec<Range<usize>> {
         away(k) > FAR * NORMAL * local[k].1.max(usual).max(resolution) && away(k) > OF_ALL * deviation
     };
     let mut stretches: Vec<Range<usize>> = Vec::new();
-    for k in (0..values.len()).filter(|&k| far(k)) {
+    let out_and_back = out_and_back(values, resolution);
+    for k in (0..values.len()).filter(|k| far(*k) || out_and_back.contains(k)) {
         match stretches.last_mut() {
             Some(last) if last.end == k => last.end += 1,
             _ => stretches.push(k..k + 1),
@@ -108,6 +120,21 @@ fn wild_rows(values: &[f64]) -> Vec<Range<usize>> {
     }
     stretches.retain(|rows| rows.len() <= MOST_IN_A_ROW);
     stretches
+}
+
+/// Rows that alone are far from the line through their neighbours.
+fn out_and_back(values: &[f64], resolution: f64) -> Vec<usize> {
+    let bend = |k: usize| values[k] - 0.5 * (values[k - 1] + values[k + 1]);
+    let mut sizes: Vec<f64> = (1..values.len() - 1).map(|k| bend(k).abs()).collect();
+    let place = ((sizes.len() - 1) as f64 * USUAL) as usize;
+    let usual = *sizes.select_nth_unstable_by(place, f64::total_cmp).1;
+    let limit = OUT_AND_BACK * usual.max(resolution);
+    let alone = |&k: &usize| {
+        let size = bend(k);
+        let other_way = |k: usize| -bend(k) * size.signum() > OTHER_WAY * size.abs();
+        size.abs() > limit && other_way(k - 1) && other_way(k + 1)
+    };
+    (2..values.len() - 2).filter(alone).collect()
 }
 
 fn median(values: &mut [f64]) -> f64 {
@@ -139,6 +166,16 @@ mod tests {
         assert!(wild_rows(&signal(&[])).is_empty());
         let found = wild_rows(&signal(&[(0, 5.0), (700, 5.0), (900, -9.0), (901, -9.0), (1999, 9.0)]));
         assert_eq!(found, [0..1, 700..701, 900..902, 1999..2000]);
+    }
+
+    #[test]
+    fn one_row_out_and_back_is_wild_though_it_stays_within_the_motion() {
+        assert_eq!(wild_rows(&signal(&[(900, 0.3), (1500, -0.3)])), [900..901, 1500..1501]);
+        // as far as the noise goes elsewhere, and a step
+        assert!(wild_rows(&signal(&[(900, 0.05)])).is_empty());
+        let mut step = signal(&[]);
+        step[900..].iter_mut().for_each(|x| *x += 0.3);
+        assert!(wild_rows(&step).is_empty());
     }
 
     #[test]
