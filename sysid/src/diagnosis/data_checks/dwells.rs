@@ -4,13 +4,11 @@
 //! the dwell d_i after switch i, its direction s_i = ±1, its place τ_i from 0 to 1, and rate and angle there,
 //!
 //! ```text
-//! d_i = c_0 + c_1 s_i + c_2 τ_i + c_3 τ_i² + c_4 τ_i³ + Σ_{j=1..4} (b_j + b'_j s_i) d_{i−j}
-//!       + a_1 s_i q_i + a_2 |q_i| + a_3 s_i θ_i + a_4 |θ_i|  + error
+//! d_i = c_0 + c_1 s_i + c_2 τ_i + c_3 τ_i² + c_4 τ_i³  +  a_1 s_i q_i + a_2 |q_i| + a_3 s_i θ_i + a_4 |θ_i|  + error
 //! ```
 //!
-//! and an input whose dwells are drawn beforehand has a = 0 (F test). What the dwells before tell of this one, in each direction,
-//! is no news of the motion that they made: pulses to and fro and back are drawn in groups. A sequence that repeats itself, or a
-//! sweep, is known from them altogether and is not asked.
+//! and an input whose dwells are drawn beforehand has a = 0 (F test). Dwells that follow from those before, as in a sequence
+//! that repeats itself, a sweep, or pulses that are drawn in groups, are known from the motion that those made, and are not asked.
 
 use super::feedback::{Kind, Test};
 use nalgebra::{DMatrix, DVector};
@@ -24,11 +22,11 @@ const STEPS: f64 = 0.3;
 const PAST: usize = 4;
 /// Share of the recurring pasts that are followed by the same dwell, from which a sequence repeats itself.
 const REPEATS: f64 = 0.6;
-/// Correlation of a dwell with the one before from which they follow from each other.
-const FOLLOWS: f64 = 0.8;
+/// Share of a dwell's variance that those before it tell, in each direction, from which they follow from each other.
+const FOLLOWS: f64 = 0.64;
 /// Regressors that stand for the input alone, and all.
-const OWN: usize = 5 + 2 * PAST;
-const ALL: usize = OWN + 4;
+const OWN: usize = 5;
+const ALL: usize = 9;
 
 /// The test of one section; `None` where the input is no sequence of steps, or too short a one.
 pub(super) fn dwells(u: &[f64], rate: &[f64], angle: &[f64], supervised: &[bool]) -> Option<Test> {
@@ -37,21 +35,21 @@ pub(super) fn dwells(u: &[f64], rate: &[f64], angle: &[f64], supervised: &[bool]
         return None;
     }
     let dwells: Vec<usize> = switches.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if repeats(&dwells) || follows(&dwells) > FOLLOWS {
+    let sides: Vec<f64> = switches.iter().map(|&k| (u[k] - u[k - 1]).signum()).collect();
+    if repeats(&dwells) || follows(&dwells, &sides) > FOLLOWS {
         return None;
     }
     let free = |i: &usize| !supervised[switches[*i]..=switches[i + 1]].contains(&true);
-    let asked: Vec<usize> = (PAST..dwells.len()).filter(free).collect();
+    let asked: Vec<usize> = (0..dwells.len()).filter(free).collect();
     if asked.len() < FEWEST {
         return None;
     }
     let regressors = |i: usize| {
         let k = switches[i];
-        let side = (u[k] - u[k - 1]).signum();
+        let side = sides[i];
         let place = i as f64 / dwells.len() as f64;
         let own = [1.0, side, place, place.powi(2), place.powi(3)];
-        let before = dwells[i - PAST..i].iter().flat_map(move |&d| [d as f64, side * d as f64]);
-        own.into_iter().chain(before).chain([side * rate[k], rate[k].abs(), side * angle[k], angle[k].abs()])
+        own.into_iter().chain([side * rate[k], rate[k].abs(), side * angle[k], angle[k].abs()])
     };
     let rows = asked.iter().flat_map(|&i| regressors(i));
     let x = DMatrix::from_row_iterator(asked.len(), ALL, rows);
@@ -79,12 +77,19 @@ fn repeats(dwells: &[usize]) -> bool {
     2 * recurring > dwells.len() && same as f64 > REPEATS * recurring as f64
 }
 
-/// Correlation of a dwell with the one before.
-fn follows(dwells: &[usize]) -> f64 {
-    let mean = dwells.iter().sum::<usize>() as f64 / dwells.len() as f64;
-    let about: Vec<f64> = dwells.iter().map(|&d| d as f64 - mean).collect();
-    let products = about.windows(2).map(|pair| pair[0] * pair[1]);
-    products.sum::<f64>() / about.iter().map(|d| d * d).sum::<f64>().max(f64::MIN_POSITIVE)
+/// Share of the dwells' variance that the [`PAST`] before each tell, in each direction.
+fn follows(dwells: &[usize], sides: &[f64]) -> f64 {
+    const MEANS: usize = 2;
+    const WITH_PAST: usize = MEANS + 2 * PAST;
+    let count = dwells.len() - PAST;
+    let row = |i: usize| {
+        let past = dwells[i - PAST..i].iter().flat_map(move |&d| [d as f64, sides[i] * d as f64]);
+        [1.0, sides[i]].into_iter().chain(past)
+    };
+    let x = DMatrix::from_row_iterator(count, WITH_PAST, (PAST..dwells.len()).flat_map(row));
+    let d = DVector::from_iterator(count, dwells[PAST..].iter().map(|&d| d as f64));
+    let variance = |columns: usize| left(&x.columns(0, columns).into_owned(), &d) / (count - columns) as f64;
+    1.0 - variance(WITH_PAST) / variance(MEANS).max(f64::MIN_POSITIVE)
 }
 
 /// Sum of squares that a regression of `d` on the columns of `x` leaves.
