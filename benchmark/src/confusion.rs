@@ -1,7 +1,7 @@
 //! What was concealed against what was answered, as a picture.
 
 use crate::judge::Outcome;
-use host_sim::effects::{BESIDE_A_SPRING, CATALOGUE, every};
+use host_sim::effects::{every, named};
 use host_sim::proof_case::Kind;
 use std::fmt::Write as _;
 
@@ -34,9 +34,8 @@ impl Matrix {
     /// Single effects, nothing, and what is outside; pairs have no place in it.
     fn new(outcomes: &[Outcome]) -> Self {
         let mut rows: Vec<&str> = every().map(|entry| entry.id).collect();
-        rows.insert(CATALOGUE.len() + BESIDE_A_SPRING.len(), NOTHING);
-        let columns: Vec<&str> =
-            CATALOGUE.iter().chain(BESIDE_A_SPRING).map(|entry| entry.id).chain(OTHERS).collect();
+        rows.insert(named().count(), NOTHING);
+        let columns: Vec<&str> = named().map(|entry| entry.id).chain(OTHERS).collect();
         let mut counts = vec![vec![0; columns.len()]; rows.len()];
         for outcome in outcomes.iter().filter(|o| o.kind != Kind::Pair) {
             let concealed = outcome.ids.first().map_or(NOTHING, String::as_str);
@@ -97,7 +96,7 @@ pub fn svg(outcomes: &[Outcome]) -> String {
 
 /// Whether this answer is what one hopes for.
 fn is_right(concealed: &str, answer: &str) -> bool {
-    if CATALOGUE.iter().any(|entry| entry.id == concealed) {
+    if named().any(|entry| entry.id == concealed) {
         return concealed == answer || answer == OTHERS[0];
     }
     if concealed == NOTHING { answer == "no_mismatch" } else { OTHERS[2..4].contains(&answer) }

@@ -62,7 +62,7 @@ pub mod vehicle;
 pub use air::Air;
 pub use bench::{Bench, Logged};
 pub use calibrate::{cost_of_leaving_out, size_for_loss};
-pub use effects::{BESIDE_A_SPRING, CATALOGUE, OUTSIDE, Setting, UNTOUCHED};
+pub use effects::{CATALOGUE, OUTSIDE, Setting, UNTOUCHED};
 pub use error::Error;
 pub use excitation::Input;
 pub use flight::{Flight, air_of, fly, fly_in};

@@ -141,9 +141,14 @@ pub const OUTSIDE: &[Entry] = &[
 pub const UNTOUCHED: &[Entry] =
     &[untouched::sticky_end::ENTRY, untouched::sagging_supply::ENTRY, untouched::local_friction::ENTRY];
 
-/// Every effect that the simulator knows: catalogue, outside, untouched.
+/// Effects that a diagnosis may know by name, those that show only beside another among them.
+pub fn named() -> impl Iterator<Item = &'static Entry> {
+    CATALOGUE.iter().chain(BESIDE_A_SPRING)
+}
+
+/// Every effect that the simulator knows: with a name, outside, untouched.
 pub fn every() -> impl Iterator<Item = &'static Entry> {
-    CATALOGUE.iter().chain(BESIDE_A_SPRING).chain(OUTSIDE).chain(UNTOUCHED)
+    named().chain(OUTSIDE).chain(UNTOUCHED)
 }
 
 /// Physics that the plant of eq. 9 leaves out. Every hook does nothing unless it is overridden.

@@ -6,8 +6,8 @@ use crate::output;
 use clap::{Args, ValueEnum};
 use estimator_core::Phase;
 use experiment::vehicle::{plant, settings};
-use host_sim::effects::{Entry, Parameter};
-use host_sim::{Air, BESIDE_A_SPRING, Background, CATALOGUE, Flight, OUTSIDE, Scenario, UNTOUCHED, fly};
+use host_sim::effects::{Entry, Parameter, named};
+use host_sim::{Air, Background, Flight, OUTSIDE, Scenario, UNTOUCHED, fly};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use sysid::catalogue::model_file::read_model;
@@ -93,16 +93,16 @@ fn after_help() -> String {
          pitchid simulate --effect gyro_lag --effect end_stop:ks=3,theta_s=0.2 --out two.csv\n  \
          pitchid simulate --model extended.toml --background paper --out again.csv\n\n\
          Exit status: 0 the test was flown, however it ended; 2 the arguments could not be used.",
-        grouped(&CATALOGUE.iter().chain(BESIDE_A_SPRING).collect::<Vec<_>>()),
+        grouped(),
         outside.map(line).collect::<String>()
     )
 }
 
 /// The catalogue, by place in the loop.
-fn grouped(entries: &[&Entry]) -> String {
+fn grouped() -> String {
     let places = ["actuator", "pitch_moment", "timing", "sensor", "environment"];
     let group = |place: &str| -> String {
-        let lines = entries.iter().copied().filter(|entry| entry.locus == place).map(line);
+        let lines = named().filter(|entry| entry.locus == place).map(line);
         format!(" {}\n{}", place.replace('_', " "), lines.collect::<String>())
     };
     places.map(group).concat()
