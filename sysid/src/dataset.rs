@@ -4,7 +4,7 @@ mod thinning;
 
 use crate::error::{Error, ErrorKind};
 use crate::moving_mean::MovingMean;
-use crate::recording::{InputHold, InputUnit, Recording};
+use crate::recording::{InputHold, InputUnit, Recording, Section};
 use core::ops::Range;
 
 /// One stretch of uniformly sampled signals without a gap.
@@ -409,22 +409,29 @@ fn roll_and_yaw(recording: &Recording, segment: &Range<usize>) -> Option<Vec<[f6
     )
 }
 
+/// The sections inside `segment`; one that a gap cuts keeps its name on both sides.
 fn sections_within(
     recording: &Recording,
     segment: &Range<usize>,
     index: Option<usize>,
 ) -> Vec<(String, Range<usize>)> {
-    recording
-        .sections
-        .iter()
-        .filter_map(|section| {
-            let begin = section.rows.start.max(segment.start);
-            let end = section.rows.end.min(segment.end);
-            let label = match index {
-                Some(index) => format!("{}:{}", index + 1, section.label),
-                None => section.label.clone(),
-            };
-            (begin < end).then(|| (label, begin - segment.start..end - segment.start))
-        })
-        .collect()
+    let mut whole = "";
+    let mut sections = Vec::new();
+    let mut before: Option<&Section> = None;
+    for section in &recording.sections {
+        let goes_on = before.is_some_and(|before| {
+            before.rows.end == section.rows.start && before.file_label == section.file_label
+        });
+        if !goes_on {
+            whole = &section.label;
+        }
+        before = Some(section);
+        let begin = section.rows.start.max(segment.start);
+        let end = section.rows.end.min(segment.end);
+        if begin < end {
+            let label = index.map_or_else(|| whole.to_owned(), |index| format!("{}:{whole}", index + 1));
+            sections.push((label, begin - segment.start..end - segment.start));
+        }
+    }
+    sections
 }

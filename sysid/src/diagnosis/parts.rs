@@ -54,7 +54,7 @@ pub fn parts(data: &Dataset, pieces: usize) -> Vec<Part> {
 }
 
 /// Spans of time with equal shares of the motion's power, as far as none is much shorter than the others, over `places` one after
-/// the other.
+/// the other, whatever gaps lie between them.
 fn spans(data: &Dataset, places: &[Place], pieces: usize) -> Vec<Part> {
     let power = |place: &Place| -> Vec<f64> {
         let rate = data.runs[place.run].rate_or_slope();
@@ -67,33 +67,42 @@ fn spans(data: &Dataset, places: &[Place], pieces: usize) -> Vec<Part> {
     let rows: usize = powers.iter().map(Vec::len).sum();
     let least = (LEAST_SHARE * rows as f64 / pieces as f64) as usize;
     let mut parts: Vec<Part> = Vec::new();
+    let mut open: Vec<Place> = Vec::new();
     let (mut sum, mut seen, mut cut) = (0.0, 0, 0);
     for (place, powers) in places.iter().zip(&powers) {
         let mut begin = place.rows.start;
-        for (i, power) in powers.iter().enumerate() {
+        for (row, power) in (begin + 1..).zip(powers) {
             sum += power;
             seen += 1;
-            let (row, last) = (place.rows.start + i + 1, i + 1 == powers.len());
             let to_come = pieces.saturating_sub(parts.len() + 1);
             let has_its_share = sum >= total * (parts.len() + 1) as f64 / pieces as f64;
             // the spans to come need their rows
             let must = rows - seen <= to_come * least;
-            let full = to_come > 0 && seen - cut >= least && (has_its_share || must);
-            if full || last {
-                let run = &data.runs[place.run];
-                let label = span(run.time(begin), run.time(row));
-                let piece = Place { label: label.clone(), run: place.run, rows: begin..row };
-                parts.push(Part { label, places: vec![piece] });
+            if to_come > 0 && seen - cut >= least && (has_its_share || must) {
+                open.push(Place { label: String::new(), run: place.run, rows: begin..row });
+                parts.push(part_of(data, core::mem::take(&mut open)));
                 begin = row;
                 cut = seen;
             }
-            if full && last {
-                break;
-            }
+        }
+        if begin < place.rows.end {
+            open.push(Place { label: String::new(), run: place.run, rows: begin..place.rows.end });
         }
     }
-    parts.retain(|part| part.places.iter().all(|place| !place.rows.is_empty()));
+    if !open.is_empty() {
+        parts.push(part_of(data, open));
+    }
     parts
+}
+
+/// A part called by the time from the first of its places to the end of the last.
+fn part_of(data: &Dataset, places: Vec<Place>) -> Part {
+    let at = |place: &Place, row: usize| data.runs[place.run].time(row);
+    let begin = places.first().map_or(0.0, |place| at(place, place.rows.start));
+    let end = places.last().map_or(0.0, |place| at(place, place.rows.end));
+    let label = span(begin, end);
+    let places = places.into_iter().map(|place| Place { label: label.clone(), ..place }).collect();
+    Part { label, places }
 }
 
 /// A span of time in words, a short one to the tenth.
@@ -107,13 +116,37 @@ fn span(from: f64, to: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::data_checks::fixture::{Flight, STEP, flight};
+    use crate::diagnosis::data_checks::fixture::{Flight, GAIN, STEP, fitted, flight, model, read};
     use crate::diagnosis::fixture::asked;
 
     fn lengths(flight: &Flight) -> Vec<f64> {
         let rows =
             |part: &Part| part.places.iter().map(|place| place.rows.len()).sum::<usize>() as f64 * STEP;
         asked(flight, |problem, _| parts(problem.data, 4).iter().map(rows).collect())
+    }
+
+    #[test]
+    fn a_gap_does_not_make_parts() {
+        let sound = Flight { section: "-", ..flight(1, 0.0) };
+        let rows: Vec<String> = sound.text().lines().map(|line| line.to_owned() + "\n").collect();
+        let cut = [&rows[..400], &rows[410..1900], &rows[1930..]].concat().concat();
+        let of = |text: &str| fitted(&read(text), &model(GAIN, 0.06), |_, problem, _| parts(problem.data, 4));
+        let (whole, cut) = (of(&rows.concat()), of(&cut));
+        assert_eq!(cut.len(), 4);
+        for (a, b) in whole.iter().zip(&cut) {
+            let ends = |part: &Part| {
+                let row = |part: &str| part.parse::<f64>().unwrap();
+                let (from, to) = part.label.trim_end_matches(" s").split_once(" to ").unwrap();
+                [row(from), row(to)]
+            };
+            assert!(
+                ends(a).iter().zip(ends(b)).all(|(a, b)| (a - b).abs() <= 1.0),
+                "{} {}",
+                a.label,
+                b.label
+            );
+        }
+        assert_eq!(cut.iter().map(|part| part.places.len()).sum::<usize>(), 6);
     }
 
     #[test]
