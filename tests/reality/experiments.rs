@@ -24,24 +24,28 @@ fn what_is_held_out_has_something_to_show_where_the_tail_is_dead() {
     }
 }
 
-/// What is said of feedback where a binary input drives a rigid airframe.
-fn feedback_under(input: Input) -> State {
+/// What is said of feedback where a binary input drives a rigid airframe in gusts so many times the usual ones.
+fn feedback_under(input: Input, gusts: f64) -> State {
     let plant = Plant::nominal().rigid();
-    let table = logged(&Bench { plant, input, ..bench(2, Vec::new()) });
+    let gusts = vec![([0.0, 80.0], gusts)];
+    let table = logged(&Bench { plant, input, gusts, ..bench(2, Vec::new()) });
     let answer = ask(&[read(&table)], Some(&model_of(&plant, Vec::new()))).answer;
     println!("{:?}", check(&answer, "feedback"));
     check(&answer, "feedback").state
 }
 
 #[test]
-fn feedback_through_the_dwell_is_not_ruled_out() {
+fn feedback_through_the_dwell_is_found_where_air_moves_the_craft_and_not_ruled_out_in_calm() {
     let input = Input::PrbsByRate { amplitude: 0.015, dwell_s: [0.2, 0.4], lengthened: 0.6 };
-    assert_eq!(feedback_under(input), State::Found);
+    assert_eq!(feedback_under(input, 10.0), State::Found);
+    assert_eq!(feedback_under(input, 1.0), State::CannotTell);
 }
 
 #[test]
 fn feedback_is_ruled_out_where_the_dwells_are_drawn() {
-    assert_eq!(feedback_under(Input::Prbs { amplitude: 0.015, dwell_s: [0.2, 0.4] }), State::RuledOut);
+    let input = Input::Prbs { amplitude: 0.015, dwell_s: [0.2, 0.4] };
+    assert_eq!(feedback_under(input, 1.0), State::RuledOut);
+    assert_eq!(feedback_under(input, 10.0), State::RuledOut);
 }
 
 /// The stiffness of a Duffing oscillator is k3 = 37 N m/rad³, however coarsely it is sampled.

@@ -13,15 +13,16 @@
 //! by far what a controller adds to it, so the sums are taken twice, over all rows and (regression included) without those
 //! of a large w, and once more over all rows up to a second ahead, more coarsely; the clearest counts, its odds multiplied, the
 //! [dwells](super::dwells) of a switching input among them. Where nothing is new between the switches, there is an
-//! excitation and nothing else.
+//! excitation and nothing else. Dwells that follow the motion as far as the input made it, and no further, decide nothing.
 //!
 //! Sources: Haugh, JASA 71, 1976; White's (1980) variance, for errors of uneven size.
 
-use super::dwells::dwells;
+use super::dwells::{Dwells, Told, dwells};
 use super::{DataCheck, Gravity};
 use crate::dataset::{Place, Run};
 use crate::estimate::digits;
 use crate::likelihood::fit::Fit;
+use crate::likelihood::free_run::{simulate, starting_points};
 use crate::likelihood::problem::Problem;
 use crate::model::pitch::Output;
 use crate::recording::{Recording, WHOLE};
@@ -56,6 +57,8 @@ const CAUSE: &str = "feedback";
 #[derive(Default)]
 pub struct Loops {
     tests: Vec<(String, Test)>,
+    /// Sections whose dwells were asked, and the odds that they follow the motion by chance.
+    dwells: Vec<(String, f64)>,
     /// Sections that are closed on purpose.
     closed: Vec<String>,
     /// Sections that the supervisor entered, and the share of their samples that it decided.
@@ -69,6 +72,7 @@ impl Loops {
     pub fn new(recordings: &[Recording], problem: &Problem<'_>, fit: &Fit) -> Self {
         let mut loops = Self::default();
         let Some(innovations) = innovations(problem, fit) else { return loops };
+        let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
         let rates: Vec<Vec<f64>> = problem.data.runs.iter().map(Run::rate_or_slope).collect();
         let angles: Vec<Vec<f64>> = problem.data.runs.iter().map(Run::angle_or_sum).collect();
         let (mut entered, mut rows) = (0usize, 0usize);
@@ -85,14 +89,16 @@ impl Loops {
             }
             entered += count;
             rows += place.rows.len();
-            let section = Section {
-                u: &run.u[place.rows.clone()],
-                e: &innovations[place.run][place.rows.clone()],
-                rate: &rates[place.run][place.rows.clone()],
-                angle: &angles[place.run][place.rows.clone()],
-                supervised,
-                step: run.step,
-            };
+            let u = &run.u[place.rows.clone()];
+            let motion: Vec<Output> =
+                place.rows.clone().map(|k| [rates[place.run][k], angles[place.run][k]]).collect();
+            let one = std::slice::from_ref(&place);
+            let start = starting_points(problem, &unpacked, one);
+            let simulated = start.and_then(|start| simulate(problem, &unpacked, one, &start)?.pop());
+            let dwells = dwells(u, &motion, supervised, simulated.as_deref());
+            loops.dwells.extend(dwells.iter().map(|dwells| (place.label.clone(), dwells.by_motion)));
+            let e = &innovations[place.run][place.rows.clone()];
+            let section = Section { u, e, supervised, step: run.step, dwells };
             loops.tests.extend(section.test().map(|test| (place.label, test)));
         }
         loops.share = entered as f64 / rows.max(1) as f64;
@@ -127,8 +133,12 @@ impl Loops {
 
     /// In words.
     pub fn check(&self) -> DataCheck {
-        let found = self.tests.iter().filter(|(_, test)| self.is_closed(test));
+        let mut found: Vec<_> = self.tests.iter().filter(|(_, test)| self.is_closed(test)).collect();
+        // of a section that a gap cuts the clearest piece is told
+        found.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.p_value.total_cmp(&b.1.p_value)));
+        found.dedup_by(|a, b| a.0 == b.0);
         let mut parts: Vec<String> = found
+            .iter()
             .map(|(label, test)| {
                 format!("{} is not open loop: {} (p = {:.0e})", called(label), test.told(), test.p_value)
             })
@@ -158,7 +168,19 @@ impl Loops {
         let Some(least) = self.tests.iter().map(|(_, test)| test.p_value).min_by(f64::total_cmp) else {
             return DataCheck::cannot_tell(CAUSE, format!("no section that could be tested{by_design}"));
         };
-        let labels: Vec<String> = self.tests.iter().map(|(label, _)| called(label)).collect();
+        let mut undecided: Vec<String> =
+            self.dwells.iter().filter(|(_, p)| *p < self.limit()).map(|(label, _)| called(label)).collect();
+        undecided.dedup();
+        if !undecided.is_empty() {
+            let words = format!(
+                "in {} the times between the switches follow the motion, or those before them: the motion is the input's \
+                 own, and cannot tell the two apart{by_design}",
+                undecided.join(", ")
+            );
+            return DataCheck::cannot_tell(CAUSE, words);
+        }
+        let mut labels: Vec<String> = self.tests.iter().map(|(label, _)| called(label)).collect();
+        labels.dedup();
         let words = format!(
             "in {} the motion says nothing of later inputs (least p = {}){by_design}",
             labels.join(", "),
@@ -201,25 +223,24 @@ fn closed_by_design(recordings: &[Recording], problem: &Problem<'_>, place: &Pla
 struct Section<'a> {
     u: &'a [f64],
     e: &'a [Output],
-    rate: &'a [f64],
-    angle: &'a [f64],
     supervised: &'a [bool],
     step: f64,
+    dwells: Option<Dwells>,
 }
 
 /// The outcome for one section.
-pub(super) struct Test {
-    pub(super) p_value: f64,
+struct Test {
+    p_value: f64,
     /// Share of the variance of what is new in the input that the motion explains, beyond what chance gives.
-    pub(super) share: f64,
-    pub(super) kind: Kind,
+    share: f64,
+    kind: Kind,
 }
 
 /// What was asked.
-pub(super) enum Kind {
+enum Kind {
     /// The innovations against what is new in the input so many s later.
     Later(f64),
-    /// The motion at a switch against the time to the next.
+    /// What the input did not make of the motion at a switch against the time to the next.
     Dwell,
 }
 
@@ -230,7 +251,9 @@ impl Test {
             Kind::Later(reach) => format!(
                 "the innovations explain {share:.1} % of what is new in the input within the next {reach:.2} s"
             ),
-            Kind::Dwell => format!("the motion at a switch explains {share:.0} % of the time to the next"),
+            Kind::Dwell => format!(
+                "what else moves the craft at a switch explains {share:.0} % of the time to the next that the switches before do not"
+            ),
         }
     }
 }
@@ -248,11 +271,12 @@ impl Section<'_> {
         let later = |reach: f64, new: &[f64], counts: &[bool]| self.sums(&channels, new, counts, reach);
         let [near, far] = LATER_S;
         let between = self.between_switches(taps, whole.clone(), &all);
+        let by_the_rest = self.dwells.as_ref().and_then(|dwells| dwells.by_the_rest.as_ref());
         let tests = [
             later(near, &whole, &all),
             later(far, &whole, &all),
             between.and_then(|(new, counts)| later(near, &new, &counts)),
-            dwells(self.u, self.rate, self.angle, self.supervised),
+            by_the_rest.map(|&Told { p_value, share }| Test { p_value, share, kind: Kind::Dwell }),
         ];
         let tests: Vec<Test> = tests.into_iter().flatten().collect();
         let odds = tests.len() as f64;
