@@ -219,6 +219,8 @@ pub struct HeldOutAnswer {
     pub baseline: VafAnswer,
     /// The model that was selected without the section.
     pub extended: VafAnswer,
+    /// VAF 0.1 s ahead of a prediction from the outputs' past alone, per cent: what the input adds is beyond that.
+    pub past_alone: f64,
     /// Its terms.
     pub terms: Vec<String>,
 }

@@ -28,7 +28,7 @@ use crate::catalogue::gust_disturbance::GustDisturbance;
 use crate::catalogue::scaled_shape::UNLISTED;
 use crate::catalogue::shapes::SHAPES;
 use crate::estimate::Estimate;
-use crate::likelihood::fit::{Fit, refit};
+use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::{About, Effect, Locus};
 use crate::model::file::EffectEntry;
@@ -48,7 +48,7 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
             problem,
             parts,
             &selection.visited[judgement.place],
-            judgement.names_alone().as_ref(),
+            judgement.names_alone.as_ref(),
         ),
         held_out: rotation.parts.iter().map(|part| (part.label.clone(), held_out(part))).collect(),
         chosen_in: judgement.chosen_in(),
@@ -77,7 +77,7 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
         per_unit_inertia: false,
         notes,
     };
-    answer.summary = describe::summary(&answer);
+    answer.summary = describe::summary(&answer, judgement.grounds.objection());
     let traces = traces(problem, &baseline.effects, rotation);
     Diagnosis {
         answer,
@@ -137,28 +137,12 @@ fn held_out(part: &super::rotation::HeldOut) -> HeldOutAnswer {
     HeldOutAnswer {
         baseline: vaf(&part.baseline),
         extended: vaf(&part.extended),
+        past_alone: part.past_alone,
         terms: part.chosen.iter().map(|id| (*id).to_owned()).collect(),
     }
 }
 
 impl Judgement<'_, '_> {
-    /// The named terms alone, fitted again, where something is left beside them.
-    fn names_alone(&self) -> Option<Fit> {
-        let fit = self.extended();
-        let rest: Vec<usize> =
-            self.small.iter().chain(&self.shapes).filter_map(|f| fit.position(f.effect.about().id)).collect();
-        if rest.is_empty() || self.named.is_empty() {
-            return None;
-        }
-        let kept = |i: &usize| !rest.contains(i);
-        let own = (0..fit.effects.len()).filter(kept).flat_map(|i| fit.own_range(self.problem, i));
-        let values: Vec<f64> =
-            (0..self.problem.noise_range().end).chain(own).map(|i| fit.minimum.values[i]).collect();
-        let effects: Vec<&'static dyn Effect> =
-            (0..fit.effects.len()).filter(kept).map(|i| fit.effects[i]).collect();
-        refit(self.problem, &effects, &values)
-    }
-
     /// What the data say of each term, in the order of the answer.
     fn components(&self) -> Vec<Component> {
         let mut all = components(self.problem, self.extended());

@@ -1,12 +1,14 @@
 //! Every sentence of the answer that a person reads.
 
 use super::answer::{Answer, EffectAnswer, HeldOutAnswer, VafAnswer, Verdict};
-use super::levels::SEEN_IN_A_LOOP;
+use super::levels::{SEEN_IN_A_LOOP, THE_INPUTS_OWN};
+use super::materiality::closed;
+use super::verdict::Objection;
 use crate::catalogue::find;
 use crate::estimate::{Estimate, digits};
 
-/// One to three sentences with numbers and units.
-pub fn summary(answer: &Answer) -> String {
+/// One to three sentences with numbers and units, and what speaks against names that are not the answer.
+pub fn summary(answer: &Answer, objection: Option<Objection>) -> String {
     let mut text = match answer.verdict {
         Verdict::NoMismatch if answer.fit.held_out.is_empty() || predicts(answer) => format!(
             "No mismatch: the model, its parameters estimated again, explains the data down to the noise ({}).",
@@ -27,13 +29,13 @@ pub fn summary(answer: &Answer) -> String {
                 (true, Some(r)) => format!("What the model leaves: {}.", r.words),
                 (true, None) => String::new(),
             };
-            let head = "Physics is missing, and nothing in the catalogue explains it";
             let humble = if predicts(answer) {
                 ""
             } else {
                 " Even with that, more than half of the motion is not predicted: design nothing on these values."
             };
-            format!("{head}: {}. {seen}{humble}", figures(answer, !answer.effects.is_empty()))
+            let figures = figures(answer, !answer.effects.is_empty());
+            format!("Physics is missing, and {}: {figures}. {seen}{humble}", in_reason(objection))
         }
         Verdict::Named | Verdict::Ambiguous => {
             let found: Vec<String> = answer.effects.iter().map(in_a_phrase).collect();
@@ -104,10 +106,32 @@ fn off_in_model(answer: &Answer) -> String {
     text
 }
 
-/// Whether the answer's model tells at least half of the motion of parts held out, 1 s ahead or in the free run.
+/// Why no name is the answer.
+fn in_reason(objection: Option<Objection>) -> String {
+    match objection {
+        None => "nothing in the catalogue explains it".into(),
+        Some(Objection::LostInTheLoop) => {
+            "in this loop too little of the motion follows from the input for a name to be sure".into()
+        }
+        Some(Objection::Unstable) => "no name for it stands on data that it was not fitted to".into(),
+        Some(Objection::Partly(share)) => {
+            format!("the names found explain {} of what can be closed, no more", percent(share))
+        }
+    }
+}
+
+/// Whether the answer's model tells at least half of the motion of parts held out, 1 s ahead or in the free run, or of what the
+/// past of the motion does not tell of the next 0.1 s.
 pub fn predicts(answer: &Answer) -> bool {
     let mean = |horizon: Option<&str>| mean_vaf(answer, &|h| &h.extended, horizon);
     mean(Some("1.0")).max(mean(None)) >= SEEN_IN_A_LOOP
+        || closed(Some(past_alone(answer)), Some(mean(Some("0.1")))) >= THE_INPUTS_OWN
+}
+
+/// Mean VAF over the parts held out, 0.1 s ahead, of what the outputs' past tells, per cent.
+fn past_alone(answer: &Answer) -> f64 {
+    let held = &answer.fit.held_out;
+    held.values().map(|part| part.past_alone).sum::<f64>() / held.len().max(1) as f64
 }
 
 /// Mean VAF over the parts held out, `horizon` s ahead or of the free run, per cent.
@@ -120,14 +144,25 @@ fn mean_vaf(answer: &Answer, of: &dyn Fn(&HeldOutAnswer) -> &VafAnswer, horizon:
     held.values().map(|h| vaf(of(h))).sum::<f64>() / held.len().max(1) as f64
 }
 
-/// "free-run VAF on held-out data 35.8 % before, 67.1 % after" — of predictions 1 s ahead where no free run is fair.
+/// VAF on held-out data, before and `after` or one of them: 1 s ahead and of the free run; 0.1 s ahead where gusts leave nothing
+/// beyond that.
 fn figures(answer: &Answer, after: bool) -> String {
     let mean =
         |horizon| [mean_vaf(answer, &|h| &h.baseline, horizon), mean_vaf(answer, &|h| &h.extended, horizon)];
     let ([near, near_after], [before, later]) = (mean(Some("1.0")), mean(None));
+    let gusts = near_after.max(later) < SEEN_IN_A_LOOP && predicts(answer);
     let sections =
         if answer.fit.held_out.len() == 1 { "the section held out" } else { "sections held out in turn" };
-    if after {
+    if gusts {
+        let [short, short_after] = mean(Some("0.1"));
+        let figures = if after {
+            format!("{short:.1} % before and {short_after:.1} % after")
+        } else {
+            format!("{short:.1} %")
+        };
+        let past = past_alone(answer);
+        format!("VAF on {sections}: 0.1 s ahead {figures}, of the past of the motion alone {past:.1} %")
+    } else if after {
         format!(
             "VAF on {sections}: 1 s ahead {near:.1} % before and {near_after:.1} % after, free run {before:.1} % and {later:.1} %"
         )

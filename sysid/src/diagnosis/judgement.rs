@@ -3,14 +3,16 @@
 use super::adequacy::{Test, failing, tests};
 use super::answer::Verdict;
 use super::gust::{Gust, gust};
-use super::levels::{ADEQUACY, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, WORTH_A_NAME};
+use super::levels::{
+    ADEQUACY, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, THE_INPUTS_OWN, WORTH_A_NAME,
+};
 use super::materiality::{closed, is_immaterial, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
 use super::rotation::{Rotation, Scores, rotate};
 use super::verdict::Grounds;
 use crate::likelihood::evidence::BLOCK_S;
-use crate::likelihood::fit::Fit;
+use crate::likelihood::fit::{Fit, refit};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::progress::Progress;
@@ -29,9 +31,11 @@ pub struct Judgement<'p, 'd> {
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
     /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those
-    /// without which the motion is explained as well, facets of another, what comes once and is soon over, and all where the
-    /// model neither explains the data nor predicts the motion.
+    /// without which the motion is explained as well, facets of another, what comes once and is soon over, what turns its sign
+    /// with the rest left out, and all where the model neither explains the data nor predicts the motion.
     pub small: Vec<Finding>,
+    /// The model with its named terms alone, fitted again, where there are others too.
+    pub names_alone: Option<Fit>,
     /// Its terms without a name.
     pub shapes: Vec<Finding>,
     /// A disturbance that is more than background.
@@ -133,6 +137,16 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
         let [small, named] =
             [small, named].map(|some| some.into_iter().map(|(_, f)| f).collect::<Vec<Finding>>());
+        let (mut named, mut small) = (named, small);
+        let mut names_alone = with_names_alone(problem, fit, &named, small.iter().chain(&shapes));
+        if let Some(alone) = &names_alone {
+            let turned = |finding: &mut Finding| turns_about(problem, fit, alone, finding.effect);
+            let turned: Vec<Finding> = named.extract_if(.., turned).collect();
+            if !turned.is_empty() {
+                small.extend(turned);
+                names_alone = with_names_alone(problem, fit, &named, small.iter().chain(&shapes));
+            }
+        }
         let grounds = Grounds {
             data_first: false,
             not_excited: false,
@@ -141,16 +155,20 @@ impl<'p, 'd> Judgement<'p, 'd> {
             rivals: named.iter().any(|finding| !finding.rivals.is_empty()),
             unstable: named.iter().any(|finding| chosen(finding) == 0 || !clear(finding)),
             closed,
-            lost_in_the_loop: fed_back && ahead(&rotation) < SEEN_IN_A_LOOP,
+            lost_in_the_loop: fed_back
+                && ahead(&rotation) < SEEN_IN_A_LOOP
+                && the_inputs_own(&rotation) < THE_INPUTS_OWN,
             gained_by_names,
             gained_by_all,
             untold,
         };
         let verdict = grounds.verdict();
         // A name that neither explains the data nor predicts the motion is no finding.
-        let claimed =
-            verdict != Verdict::Unlisted || ahead(&rotation).max(free_run(&rotation)) >= SEEN_IN_A_LOOP;
-        let (named, small) = if claimed { (named, small) } else { (Vec::new(), [named, small].concat()) };
+        let claimed = verdict != Verdict::Unlisted
+            || ahead(&rotation).max(free_run(&rotation)) >= SEEN_IN_A_LOOP
+            || the_inputs_own(&rotation) >= THE_INPUTS_OWN;
+        let (named, small, names_alone) =
+            if claimed { (named, small, names_alone) } else { (Vec::new(), [named, small].concat(), None) };
         Self {
             problem,
             parts,
@@ -158,6 +176,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             place,
             named,
             small,
+            names_alone,
             shapes,
             gust,
             failed,
@@ -178,6 +197,41 @@ impl<'p, 'd> Judgement<'p, 'd> {
     }
 }
 
+/// The named terms of `fit` alone, fitted again; `None` without any, or without a `rest`.
+fn with_names_alone<'f>(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    named: &[Finding],
+    rest: impl Iterator<Item = &'f Finding>,
+) -> Option<Fit> {
+    let rest: Vec<usize> = rest.filter_map(|f| fit.position(f.effect.about().id)).collect();
+    if rest.is_empty() || named.is_empty() {
+        return None;
+    }
+    let kept: Vec<usize> = (0..fit.effects.len()).filter(|i| !rest.contains(i)).collect();
+    let own = kept.iter().flat_map(|&i| fit.own_range(problem, i));
+    let values: Vec<f64> = (0..problem.noise_range().end).chain(own).map(|i| fit.minimum.values[i]).collect();
+    let effects: Vec<&'static dyn Effect> = kept.iter().map(|&i| fit.effects[i]).collect();
+    refit(problem, &effects, &values)
+}
+
+/// Whether an unknown of `effect` that may have either sign has the other one in `alone`, where the rest is left out: one of the
+/// two makes good for the other, and the data do not say which.
+fn turns_about(problem: &Problem<'_>, fit: &Fit, alone: &Fit, effect: &dyn Effect) -> bool {
+    let id = effect.about().id;
+    let (Some(own), Some(other)) = (fit.range_of(problem, id), alone.range_of(problem, id)) else {
+        return false;
+    };
+    let coordinates = problem.coordinates(&fit.effects);
+    own.zip(other).enumerate().any(|(place, (i, j))| {
+        let [low, high] = coordinates[i].bounds;
+        low < 0.0
+            && high > 0.0
+            && effect.acts_at() != Some(place)
+            && fit.minimum.values[i] * alone.minimum.values[j] < 0.0
+    })
+}
+
 /// VAF held out at the longest horizon, mean over the parts, per cent.
 fn ahead(rotation: &Rotation) -> f64 {
     mean(rotation, |scores| scores.horizons.last().map_or(0.0, |(vaf, _)| *vaf))
@@ -186,6 +240,14 @@ fn ahead(rotation: &Rotation) -> f64 {
 /// The same of the free run.
 fn free_run(rotation: &Rotation) -> f64 {
     mean(rotation, |scores| scores.free_run)
+}
+
+/// Share of what the outputs' past alone does not tell at the shortest horizon that the model tells, held out.
+fn the_inputs_own(rotation: &Rotation) -> f64 {
+    let parts = rotation.parts.len().max(1) as f64;
+    let past = rotation.parts.iter().map(|part| part.past_alone).sum::<f64>() / parts;
+    let model = mean(rotation, |scores| scores.horizons.first().map_or(0.0, |(vaf, _)| *vaf));
+    closed(Some(past), Some(model))
 }
 
 /// Mean of what was held out over the parts.

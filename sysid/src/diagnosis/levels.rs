@@ -16,6 +16,8 @@ pub const WORTH_A_NAME: f64 = 0.03;
 /// the sensors are good, and not material: where it moves the prediction by less, it is told as a remainder. (Of the amplitude
 /// it is three hundredths: what nobody sees in a picture.)
 pub const LAST_THOUSANDTH: f64 = 1e-3;
+/// Share of the error without it that a name may leave to be material all the same.
+pub const HALVED: f64 = 0.5;
 /// Most terms that one diagnosis adds: the room for their states; the evidence ends the search before.
 pub const MOST_TERMS: usize = 5;
 /// Odds of a false alarm of one check of the data (one in 1,000 recordings).
@@ -30,9 +32,13 @@ pub const WIDEST_SHARED_INTERVAL: f64 = 0.5;
 pub const PARTS: usize = 4;
 /// Horizons of the predictions that a model is judged by, s.
 pub const HORIZONS_S: [f64; 3] = [0.1, 0.3, 1.0];
-/// VAF of predictions 1 s ahead, held out, per cent, below which nothing is named in a loop that was closed unsaid: most of the
-/// motion is then the noise that went round it. An answer without a name says so below it.
+/// VAF of predictions 1 s ahead, held out, per cent, below which nothing is named in a loop that was closed unsaid, unless
+/// [`THE_INPUTS_OWN`] is reached: most of the motion is then the noise that went round it. An answer without a name says so below
+/// both.
 pub const SEEN_IN_A_LOOP: f64 = 50.0;
+/// Share of what the past of the motion does not tell of the next 0.1 s that a model predicts, held out, from which on the input is
+/// seen in a loop. In gusts nothing predicts a second, be the model the vehicle itself.
+pub const THE_INPUTS_OWN: f64 = 0.5;
 /// VAF of predictions 1 s ahead, held out, per cent, from which on what the input does not cause is too little to be told as a gust.
 pub const CALM: f64 = 98.0;
 /// VAF of predictions at the best horizon, per cent, below which nothing follows from the input: a model that predicts nothing has

@@ -35,6 +35,7 @@ pub mod map;
 mod materiality;
 pub mod over_time;
 mod parts;
+mod past_alone;
 mod posterior;
 mod prior;
 pub mod questions;

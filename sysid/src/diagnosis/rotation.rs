@@ -6,12 +6,14 @@
 
 use super::levels::HORIZONS_S;
 use super::parts::Part;
+use super::past_alone::vaf_of_the_past_alone;
 use super::posterior::{Finding, Selection};
 use crate::dataset::Place;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::weights;
 use crate::likelihood::free_run::vaf_over;
 use crate::likelihood::horizon::horizon_vaf;
+
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::model::pitch::Output;
@@ -38,6 +40,8 @@ pub struct HeldOut {
     pub baseline: Scores,
     /// The model that was selected and fitted without it.
     pub extended: Scores,
+    /// VAF at the first of the horizons of a prediction from the outputs' past alone, fitted without it, per cent.
+    pub past_alone: f64,
     /// Ids of the terms that were chosen without it.
     pub chosen: Vec<&'static str>,
     /// Where it is.
@@ -147,10 +151,17 @@ pub fn rotate(
                 chosen || finding.rivals.iter().any(|(rival, ..)| terms.contains(&rival.about().id));
             gains.push(Turn { blocks, points, chosen, in_kind });
         }
+        let others: Vec<Place> = parts
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| *i != index)
+            .flat_map(|(_, part)| part.places.clone())
+            .collect();
         rotations.push(HeldOut {
             label: part.label.clone(),
             baseline: scores(selection.baseline, baseline),
             extended: scores(models[best], chosen),
+            past_alone: vaf_of_the_past_alone(problem, &others, &part.places, HORIZONS_S[0]),
             chosen: ids(models[best]),
             places: part.places.clone(),
             baseline_values: baseline.values.clone(),

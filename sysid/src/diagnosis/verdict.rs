@@ -3,6 +3,17 @@
 use super::answer::Verdict;
 use super::levels::MATERIAL;
 
+/// What speaks against names as the answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Objection {
+    /// In a closed loop most of the motion is not explained.
+    LostInTheLoop,
+    /// A name does not stand on data that were held out.
+    Unstable,
+    /// Names close this share of what can be closed.
+    Partly(f64),
+}
+
 /// What a verdict is made of. Gains are those of the log posterior over the baseline, in the same units.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Grounds {
@@ -40,6 +51,18 @@ impl Grounds {
         of_evidence.max(self.closed).clamp(0.0, 1.0)
     }
 
+    /// What speaks against the names that there are.
+    pub fn objection(&self) -> Option<Objection> {
+        let share = self.share_of_names();
+        match self.named {
+            0 => None,
+            _ if self.lost_in_the_loop => Some(Objection::LostInTheLoop),
+            _ if self.unstable => Some(Objection::Unstable),
+            _ if share < MATERIAL => Some(Objection::Partly(share)),
+            _ => None,
+        }
+    }
+
     /// The verdict.
     pub fn verdict(&self) -> Verdict {
         if self.data_first {
@@ -52,7 +75,7 @@ impl Grounds {
             let missing = self.shapes > 0 || self.untold > 0.0;
             return if missing { Verdict::Unlisted } else { Verdict::NoMismatch };
         }
-        if self.unstable || self.lost_in_the_loop || self.share_of_names() < MATERIAL {
+        if self.objection().is_some() {
             Verdict::Unlisted
         } else if self.rivals {
             Verdict::Ambiguous

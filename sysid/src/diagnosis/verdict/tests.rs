@@ -1,7 +1,7 @@
 //! The table of cases.
 
 use super::super::answer::Verdict::{self, Ambiguous, CheckData, Named, NoMismatch, NotExcited, Unlisted};
-use super::Grounds;
+use super::{Grounds, Objection};
 
 /// Named terms, shapes, rivals, gain of the names, of all, untold → verdict.
 type Case = (usize, usize, bool, f64, f64, f64, Verdict);
@@ -73,6 +73,17 @@ fn every_case_has_its_verdict() {
         };
         assert_eq!(grounds.verdict(), verdict, "{grounds:?}");
     }
+}
+
+#[test]
+fn what_speaks_against_a_name_is_told_the_loop_first() {
+    let one = Grounds { named: 1, gained_by_names: 70.0, gained_by_all: 100.0, ..Grounds::default() };
+    assert_eq!(one.objection(), Some(Objection::Partly(0.7)));
+    let unstable = Grounds { unstable: true, ..one };
+    assert_eq!(unstable.objection(), Some(Objection::Unstable));
+    assert_eq!(Grounds { lost_in_the_loop: true, ..unstable }.objection(), Some(Objection::LostInTheLoop));
+    assert_eq!(Grounds { named: 0, ..unstable }.objection(), None);
+    assert_eq!(Grounds { gained_by_names: 90.0, ..one }.objection(), None);
 }
 
 #[test]

@@ -1,0 +1,110 @@
+//! Predictions from the outputs' past alone: what a model that knows the input has to beat.
+//!
+//! ```text
+//! ŷ(t + h) = c + Σ_i a_i y(t − τ_i) + Σ_i b_i y'(t − τ_i),      τ_i = 0, Ts, 2 Ts, 3 Ts, 0.04 s .. 0.48 s
+//! ```
+//!
+//! by least squares, y the channel that models are judged by and y' the other where both are measured. What a controller will do
+//! follows from the past of the motion, and is in ŷ; what a model predicts beyond it is the input's own doing (Granger,
+//! Econometrica 37, 1969).
+
+use crate::dataset::Place;
+use crate::likelihood::free_run::judged;
+use crate::likelihood::problem::Problem;
+use nalgebra::{DMatrix, DVector};
+
+/// Rows between two lags, beyond the first few of them, s, and their number.
+const APART_S: f64 = 0.04;
+const FAR_LAGS: usize = 12;
+/// Lags of neighbouring rows.
+const NEAR_LAGS: usize = 3;
+/// Predictions start this far apart, s.
+const STRIDE_S: f64 = 0.02;
+
+/// VAF over `judged_on`, per cent and at least 0, of predictions `horizon` s ahead that were fitted on `fitted_on`; 0 where these
+/// are too short.
+pub fn vaf_of_the_past_alone(
+    problem: &Problem<'_>,
+    fitted_on: &[Place],
+    judged_on: &[Place],
+    horizon: f64,
+) -> f64 {
+    let fitted: Vec<(DVector<f64>, f64)> =
+        fitted_on.iter().flat_map(|p| pairs(problem, p, horizon)).collect();
+    let columns = fitted.first().map_or(0, |(x, _)| x.len());
+    let mut normal = DMatrix::<f64>::zeros(columns, columns);
+    let mut right = DVector::<f64>::zeros(columns);
+    for (x, y) in &fitted {
+        normal.ger(1.0, x, x, 1.0);
+        right.axpy(*y, x, 1.0);
+    }
+    let ridge = 1e-10 * normal.trace() / columns.max(1) as f64;
+    for i in 0..columns {
+        normal[(i, i)] += ridge;
+    }
+    let Some(weights) = normal.cholesky().map(|factor| factor.solve(&right)) else { return 0.0 };
+    let asked: Vec<(DVector<f64>, f64)> = judged_on.iter().flat_map(|p| pairs(problem, p, horizon)).collect();
+    let mean = asked.iter().map(|(_, y)| y).sum::<f64>() / asked.len().max(1) as f64;
+    let left: f64 = asked.iter().map(|(x, y)| (y - weights.dot(x)).powi(2)).sum();
+    let total: f64 = asked.iter().map(|(_, y)| (y - mean).powi(2)).sum();
+    if total > 0.0 { 100.0 * (1.0 - left / total).max(0.0) } else { 0.0 }
+}
+
+/// Regressors and what they predict, all over `place`.
+fn pairs<'d>(
+    problem: &'d Problem<'_>,
+    place: &Place,
+    horizon: f64,
+) -> impl Iterator<Item = (DVector<f64>, f64)> + 'd {
+    let run = &problem.data.runs[place.run];
+    let rows = |seconds: f64| (seconds / run.step).round().max(1.0) as usize;
+    let (ahead, apart, stride) = (rows(horizon), rows(APART_S), rows(STRIDE_S));
+    let lags: Vec<usize> = (0..=NEAR_LAGS).chain((1..=FAR_LAGS).map(|i| i * apart)).collect();
+    let y = judged(problem, place);
+    let other = run.rate.as_ref().and(run.angle.as_ref()).map(|angle| &angle[place.rows.clone()]);
+    let first = NEAR_LAGS.max(FAR_LAGS * apart);
+    (first..y.len().saturating_sub(ahead)).step_by(stride).map(move |k| {
+        let of = |signal: &'d [f64]| lags.iter().map(move |lag| signal[k - lag]).collect::<Vec<f64>>();
+        let known = [vec![1.0], of(y), other.map_or_else(Vec::new, of)].concat();
+        (DVector::from_vec(known), y[k + ahead])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::data_checks::fixture::flight;
+    use crate::diagnosis::fixture::{asked, quarters};
+    use crate::likelihood::horizon::horizon_vaf;
+
+    /// VAF 0.1 and 1 s ahead of the model and of the past alone, per cent.
+    fn both(feedback: f64) -> [[f64; 2]; 2] {
+        asked(&flight(1, feedback), |problem, fit| {
+            let parts = quarters(problem);
+            let (fitted, held): (Vec<Place>, Vec<Place>) =
+                (parts[..3].iter().flat_map(|p| p.places.clone()).collect(), parts[3].places.clone());
+            let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
+            let horizons = [0.1, 1.0];
+            let model = horizon_vaf(problem, &unpacked, &held, &horizons).unwrap();
+            let past = horizons.map(|h| vaf_of_the_past_alone(problem, &fitted, &held, h));
+            [[model[0].0, model[1].0], past]
+        })
+    }
+
+    #[test]
+    fn an_excitation_is_not_known_from_the_past_however_smooth_the_motion() {
+        let [model, past] = both(0.0);
+        assert!((80.0..95.0).contains(&past[0]) && model[0] > 97.0, "{model:?} {past:?}");
+        assert!(past[1] < 10.0 && model[1] > 60.0, "{model:?} {past:?}");
+    }
+
+    #[test]
+    fn data_that_are_too_short_say_nothing() {
+        asked(&flight(1, 0.0), |problem, _| {
+            let place = quarters(problem).remove(0).places.remove(0);
+            let short = Place { rows: 0..20, ..place };
+            let short = [short];
+            assert_eq!(vaf_of_the_past_alone(problem, &short, &short, 0.1), 0.0);
+        });
+    }
+}
