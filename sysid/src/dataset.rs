@@ -4,7 +4,7 @@ mod thinning;
 
 use crate::error::{Error, ErrorKind};
 use crate::moving_mean::MovingMean;
-use crate::recording::{InputHold, InputUnit, Recording, Section};
+use crate::recording::{InputHold, InputUnit, Recording, Section, WHOLE};
 use core::ops::Range;
 
 /// One stretch of uniformly sampled signals without a gap.
@@ -409,7 +409,8 @@ fn roll_and_yaw(recording: &Recording, segment: &Range<usize>) -> Option<Vec<[f6
     )
 }
 
-/// The sections inside `segment`; one that a gap cuts keeps its name on both sides.
+/// The sections inside `segment`. One that a gap cuts keeps its name on both sides, and the stretches of a file that names none are
+/// one.
 fn sections_within(
     recording: &Recording,
     segment: &Range<usize>,
@@ -420,7 +421,8 @@ fn sections_within(
     let mut before: Option<&Section> = None;
     for section in &recording.sections {
         let goes_on = before.is_some_and(|before| {
-            before.rows.end == section.rows.start && before.file_label == section.file_label
+            before.file_label == section.file_label
+                && (before.rows.end == section.rows.start || section.file_label == WHOLE)
         });
         if !goes_on {
             whole = &section.label;

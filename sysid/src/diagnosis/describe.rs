@@ -2,7 +2,7 @@
 
 use super::answer::{Answer, EffectAnswer, HeldOutAnswer, VafAnswer, Verdict};
 use super::levels::{SEEN_IN_A_LOOP, THE_INPUTS_OWN};
-use super::materiality::closed;
+use super::materiality::beyond_the_past;
 use super::verdict::Objection;
 use crate::catalogue::find;
 use crate::estimate::{Estimate, digits};
@@ -125,7 +125,10 @@ fn in_reason(objection: Option<Objection>) -> String {
 pub fn predicts(answer: &Answer) -> bool {
     let mean = |horizon: Option<&str>| mean_vaf(answer, &|h| &h.extended, horizon);
     mean(Some("1.0")).max(mean(None)) >= SEEN_IN_A_LOOP
-        || closed(Some(past_alone(answer)), Some(mean(Some("0.1")))) >= THE_INPUTS_OWN
+        || beyond_the_past(answer.fit.held_out.values().map(|part| {
+            let near = part.extended.horizons.get("0.1");
+            [part.past_alone, near.map_or(0.0, |vaf| vaf.value), near.map_or(0.0, |vaf| vaf.standard_error)]
+        })) >= THE_INPUTS_OWN
 }
 
 /// Mean VAF over the parts held out, 0.1 s ahead, of what the outputs' past tells, per cent.

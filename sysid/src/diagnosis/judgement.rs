@@ -6,7 +6,7 @@ use super::gust::{Gust, gust};
 use super::levels::{
     ADEQUACY, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, THE_INPUTS_OWN, WORTH_A_NAME,
 };
-use super::materiality::{closed, is_immaterial, vaf_ahead};
+use super::materiality::{beyond_the_past, closed, is_immaterial, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
 use super::rotation::{Rotation, Scores, rotate};
@@ -244,10 +244,10 @@ fn free_run(rotation: &Rotation) -> f64 {
 
 /// Share of what the outputs' past alone does not tell at the shortest horizon that the model tells, held out.
 fn the_inputs_own(rotation: &Rotation) -> f64 {
-    let parts = rotation.parts.len().max(1) as f64;
-    let past = rotation.parts.iter().map(|part| part.past_alone).sum::<f64>() / parts;
-    let model = mean(rotation, |scores| scores.horizons.first().map_or(0.0, |(vaf, _)| *vaf));
-    closed(Some(past), Some(model))
+    beyond_the_past(rotation.parts.iter().map(|part| {
+        let (vaf, error) = part.extended.horizons.first().copied().unwrap_or_default();
+        [part.past_alone, vaf, error]
+    }))
 }
 
 /// Mean of what was held out over the parts.

@@ -36,8 +36,8 @@ pub const HORIZONS_S: [f64; 3] = [0.1, 0.3, 1.0];
 /// [`THE_INPUTS_OWN`] is reached: most of the motion is then the noise that went round it. An answer without a name says so below
 /// both.
 pub const SEEN_IN_A_LOOP: f64 = 50.0;
-/// Share of what the past of the motion does not tell of the next 0.1 s that a model predicts, held out, from which on the input is
-/// seen in a loop. In gusts nothing predicts a second, be the model the vehicle itself.
+/// Share of what the past of the motion does not tell of the next 0.1 s that a model surely predicts, held out, from which on the
+/// input is seen in a loop. In gusts nothing predicts a second, be the model the vehicle itself.
 pub const THE_INPUTS_OWN: f64 = 0.5;
 /// VAF of predictions 1 s ahead, held out, per cent, from which on what the input does not cause is too little to be told as a gust.
 pub const CALM: f64 = 98.0;

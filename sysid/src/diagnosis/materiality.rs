@@ -1,6 +1,6 @@
 //! Significant is not material: how much of the motion a model closes, and whether a name is worth telling.
 
-use super::levels::{HALVED, HORIZONS_S, LAST_THOUSANDTH};
+use super::levels::{HALVED, HELD_OUT_ERRORS, HORIZONS_S, LAST_THOUSANDTH};
 use super::posterior::Selection;
 use crate::dataset::Place;
 use crate::likelihood::fit::Fit;
@@ -29,6 +29,16 @@ pub fn closed(before: Option<f64>, after: Option<f64>) -> f64 {
     }
 }
 
+/// Share of what the past of the motion does not tell that a model predicts, `by_part` (VAF of the past alone, of the model, and its
+/// standard error, per cent): as much as it is but for one chance in a hundred.
+pub fn beyond_the_past(by_part: impl Iterator<Item = [f64; 3]>) -> f64 {
+    let parts: Vec<[f64; 3]> = by_part.collect();
+    let n = parts.len().max(1) as f64;
+    let [past, model] = [0, 1].map(|i| parts.iter().map(|part| part[i]).sum::<f64>() / n);
+    let error = parts.iter().map(|part| part[2] * part[2]).sum::<f64>().sqrt() / n;
+    closed(Some(past), Some(model - HELD_OUT_ERRORS * error))
+}
+
 /// Whether a further name is not material: all of the model closes `all` of the motion that the baseline leaves, and `rest` without
 /// the name. What halves the error is material, however small that is.
 pub fn is_immaterial(effect: &dyn Effect, all: f64, rest: f64) -> bool {
@@ -42,6 +52,15 @@ pub fn is_immaterial(effect: &dyn Effect, all: f64, rest: f64) -> bool {
 mod tests {
     use super::*;
     use crate::catalogue::find;
+
+    #[test]
+    fn what_a_model_tells_beyond_the_past_is_what_it_surely_tells() {
+        let sure = beyond_the_past([[80.0, 96.0, 0.1], [60.0, 92.0, 0.1]].into_iter());
+        assert!((sure - 0.8).abs() < 0.01, "{sure}");
+        assert!(beyond_the_past([[12.0, 63.0, 24.0], [19.0, 78.0, 7.0]].into_iter()) < 0.35);
+        assert_eq!(beyond_the_past([[80.0, 70.0, 1.0]].into_iter()), 0.0);
+        assert_eq!(beyond_the_past(std::iter::empty()), 0.0);
+    }
 
     #[test]
     fn a_name_that_moves_the_prediction_by_less_than_a_thousandth_is_not_material() {
