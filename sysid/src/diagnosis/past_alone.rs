@@ -11,7 +11,8 @@
 use crate::dataset::Place;
 use crate::likelihood::free_run::judged;
 use crate::likelihood::problem::Problem;
-use nalgebra::{DMatrix, DVector};
+use crate::optim::least_squares::least_squares;
+use nalgebra::DVector;
 
 /// Rows between two lags, beyond the first few of them, s, and their number.
 const APART_S: f64 = 0.04;
@@ -29,24 +30,14 @@ pub fn vaf_of_the_past_alone(
     judged_on: &[Place],
     horizon: f64,
 ) -> f64 {
-    let fitted: Vec<(DVector<f64>, f64)> =
-        fitted_on.iter().flat_map(|p| pairs(problem, p, horizon)).collect();
-    let columns = fitted.first().map_or(0, |(x, _)| x.len());
-    let mut normal = DMatrix::<f64>::zeros(columns, columns);
-    let mut right = DVector::<f64>::zeros(columns);
-    for (x, y) in &fitted {
-        normal.ger(1.0, x, x, 1.0);
-        right.axpy(*y, x, 1.0);
-    }
-    let ridge = 1e-10 * normal.trace() / columns.max(1) as f64;
-    for i in 0..columns {
-        normal[(i, i)] += ridge;
-    }
-    let Some(weights) = normal.cholesky().map(|factor| factor.solve(&right)) else { return 0.0 };
-    let asked: Vec<(DVector<f64>, f64)> = judged_on.iter().flat_map(|p| pairs(problem, p, horizon)).collect();
-    let mean = asked.iter().map(|(_, y)| y).sum::<f64>() / asked.len().max(1) as f64;
-    let left: f64 = asked.iter().map(|(x, y)| (y - weights.dot(x)).powi(2)).sum();
-    let total: f64 = asked.iter().map(|(_, y)| (y - mean).powi(2)).sum();
+    let mut fitted = fitted_on.iter().flat_map(|place| pairs(problem, place, horizon)).peekable();
+    let columns = fitted.peek().map_or(0, |(x, _)| x.len());
+    let Some(weights) = least_squares(columns, fitted) else { return 0.0 };
+    let judged = judged_on.iter().flat_map(|place| pairs(problem, place, horizon));
+    let asked: Vec<[f64; 2]> = judged.map(|(x, y)| [y, y - weights.dot(&x)]).collect();
+    let mean = asked.iter().map(|[y, _]| y).sum::<f64>() / asked.len().max(1) as f64;
+    let left: f64 = asked.iter().map(|[_, error]| error * error).sum();
+    let total: f64 = asked.iter().map(|[y, _]| (y - mean).powi(2)).sum();
     if total > 0.0 { 100.0 * (1.0 - left / total).max(0.0) } else { 0.0 }
 }
 
@@ -78,8 +69,8 @@ mod tests {
     use crate::likelihood::horizon::horizon_vaf;
 
     /// VAF 0.1 and 1 s ahead of the model and of the past alone, per cent.
-    fn both(feedback: f64) -> [[f64; 2]; 2] {
-        asked(&flight(1, feedback), |problem, fit| {
+    fn both() -> [[f64; 2]; 2] {
+        asked(&flight(1, 0.0), |problem, fit| {
             let parts = quarters(problem);
             let (fitted, held): (Vec<Place>, Vec<Place>) =
                 (parts[..3].iter().flat_map(|p| p.places.clone()).collect(), parts[3].places.clone());
@@ -93,7 +84,7 @@ mod tests {
 
     #[test]
     fn an_excitation_is_not_known_from_the_past_however_smooth_the_motion() {
-        let [model, past] = both(0.0);
+        let [model, past] = both();
         assert!((80.0..95.0).contains(&past[0]) && model[0] > 97.0, "{model:?} {past:?}");
         assert!(past[1] < 10.0 && model[1] > 60.0, "{model:?} {past:?}");
     }
@@ -103,8 +94,10 @@ mod tests {
         asked(&flight(1, 0.0), |problem, _| {
             let place = quarters(problem).remove(0).places.remove(0);
             let short = Place { rows: 0..20, ..place };
-            let short = [short];
+            let (short, all) = ([short], problem.data.places());
             assert_eq!(vaf_of_the_past_alone(problem, &short, &short, 0.1), 0.0);
+            assert_eq!(vaf_of_the_past_alone(problem, &short, &all, 0.1), 0.0);
+            assert_eq!(vaf_of_the_past_alone(problem, &[], &all, 0.1), 0.0);
         });
     }
 }

@@ -13,7 +13,6 @@ use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::weights;
 use crate::likelihood::free_run::vaf_over;
 use crate::likelihood::horizon::horizon_vaf;
-
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::model::pitch::Output;

@@ -23,10 +23,11 @@ use crate::dataset::{Place, Run};
 use crate::estimate::digits;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::free_run::{simulate, starting_points};
-use crate::likelihood::problem::Problem;
+use crate::likelihood::problem::{Problem, Unpacked};
 use crate::model::pitch::Output;
+use crate::optim::least_squares::least_squares;
 use crate::recording::{Recording, WHOLE};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Memory of the input's own prediction, s.
@@ -71,12 +72,14 @@ impl Loops {
     /// Tests the sections that claim to be open loop, the rows of the supervisor left out.
     pub fn new(recordings: &[Recording], problem: &Problem<'_>, fit: &Fit) -> Self {
         let mut loops = Self::default();
-        let Some(innovations) = innovations(problem, fit) else { return loops };
         let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
+        let Some(innovations) = innovations(problem, &unpacked) else { return loops };
+        let places = problem.data.places();
+        let starts = starting_points(problem, &unpacked, &places);
         let rates: Vec<Vec<f64>> = problem.data.runs.iter().map(Run::rate_or_slope).collect();
         let angles: Vec<Vec<f64>> = problem.data.runs.iter().map(Run::angle_or_sum).collect();
         let (mut entered, mut rows) = (0usize, 0usize);
-        for place in problem.data.places() {
+        for (i, place) in places.into_iter().enumerate() {
             if closed_by_design(recordings, problem, &place) {
                 loops.closed.push(place.label);
                 continue;
@@ -93,8 +96,8 @@ impl Loops {
             let motion: Vec<Output> =
                 place.rows.clone().map(|k| [rates[place.run][k], angles[place.run][k]]).collect();
             let one = std::slice::from_ref(&place);
-            let start = starting_points(problem, &unpacked, one);
-            let simulated = start.and_then(|start| simulate(problem, &unpacked, one, &start)?.pop());
+            let start = starts.as_ref().map(|starts| &starts[i..=i]);
+            let simulated = start.and_then(|start| simulate(problem, &unpacked, one, start)?.pop());
             let dwells = dwells(u, &motion, supervised, simulated.as_deref());
             loops.dwells.extend(dwells.iter().map(|dwells| (place.label.clone(), dwells.by_motion)));
             let e = &innovations[place.run][place.rows.clone()];
@@ -195,10 +198,9 @@ fn called(label: &str) -> String {
     if label == WHOLE { "the recording".into() } else { format!("section {label}") }
 }
 
-fn innovations(problem: &Problem<'_>, fit: &Fit) -> Option<Vec<Vec<Output>>> {
+fn innovations(problem: &Problem<'_>, unpacked: &Unpacked) -> Option<Vec<Vec<Output>>> {
     let mut all = vec![Vec::new(); problem.data.runs.len()];
-    let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
-    problem.predict(&unpacked, |run, e| all[run] = e.iter().map(|e| problem.pack(*e)).collect())?;
+    problem.predict(unpacked, |run, e| all[run] = e.iter().map(|e| problem.pack(*e)).collect())?;
     Some(all)
 }
 
@@ -339,23 +341,12 @@ fn median_size(values: &[f64], counts: &[bool]) -> f64 {
 
 /// What `taps` values before it do not tell of each value, by a regression over the rows that count.
 fn whitened(u: &[f64], taps: usize, counts: &[bool]) -> Option<Vec<f64>> {
-    let size = taps + 1;
-    let mut normal = DMatrix::<f64>::zeros(size, size);
-    let mut right = DVector::<f64>::zeros(size);
     let row = |k: usize| {
         let past = u[k - taps..k].iter().rev().copied();
-        DVector::from_iterator(size, past.chain([1.0]))
+        DVector::from_iterator(taps + 1, past.chain([1.0]))
     };
-    for k in (taps..u.len()).filter(|&k| counts[k]) {
-        let x = row(k);
-        normal.ger(1.0, &x, &x, 1.0);
-        right.axpy(u[k], &x, 1.0);
-    }
-    let ridge = 1e-10 * normal.trace() / size as f64;
-    for i in 0..size {
-        normal[(i, i)] += ridge;
-    }
-    let weights = normal.cholesky()?.solve(&right);
+    let rows = (taps..u.len()).filter(|&k| counts[k]).map(|k| (row(k), u[k]));
+    let weights = least_squares(taps + 1, rows)?;
     let new = |k: usize| if k < taps { 0.0 } else { u[k] - weights.dot(&row(k)) };
     Some((0..u.len()).map(new).collect())
 }
