@@ -343,12 +343,20 @@ impl<'a> Problem<'a> {
     }
 
     fn errors(&self, unpacked: &Unpacked, known: &KnownDrives) -> Option<Vec<Output>> {
-        let mut all = Vec::with_capacity(self.count());
+        let mut all = Vec::new();
         self.of_runs(unpacked, |index, model, gains| {
             let (run, counted) = (&self.data.runs[index], &self.counted[index]);
             let rows = counted.iter().rposition(|c| *c).map_or(0, |k| k + 1);
-            let innovations = model.innovations_under(run, gains, &known.of(model, index, run, rows))?;
-            all.extend(innovations.iter().zip(counted).filter(|(_, c)| **c).map(|(e, _)| self.pack(*e)));
+            let mut own = model.innovations_under(run, gains, &known.of(model, index, run, rows))?;
+            // in its place: another copy of a long recording's would be tens of megabytes
+            let mut is_counted = counted.iter();
+            own.retain(|_| is_counted.next() == Some(&true));
+            own.iter_mut().for_each(|e| *e = self.pack(*e));
+            if all.is_empty() {
+                all = own;
+            } else {
+                all.append(&mut own);
+            }
             Some(())
         })?;
         Some(all)

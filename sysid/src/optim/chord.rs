@@ -1,7 +1,7 @@
 //! The chord method: many candidates' first steps share one Jacobian (Ortega and Rheinboldt, Iterative Solution of
 //! Nonlinear Equations, 1970, ch. 7).
 
-use super::levenberg_marquardt::{Coordinate, Residuals, Search, damped_step, dot, weigh};
+use super::levenberg_marquardt::{Coordinate, Residuals, Search, damped_step, dot, inner, weigh};
 use crate::model::pitch::Output;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix2};
 
@@ -81,13 +81,12 @@ impl Chord {
         let search = Search { residuals, channels, coordinates };
         let z = search.inner(start);
         let at = search.evaluate(&z)?;
-        let change: Vec<Output> =
-            at.residuals.iter().zip(&self.residuals).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
-        let weighted: Vec<Output> = change.iter().map(|d| weigh(&self.weight, d)).collect();
-        let norm = dot(&change, &weighted);
-        let count = change.len() as f64;
+        let differs = |(a, b): (&Output, &Output)| [a[0] - b[0], a[1] - b[1]];
+        let change = || at.residuals.iter().zip(&self.residuals).map(differs);
+        let norm: f64 = change().map(|d| inner(&d, &weigh(&self.weight, &d))).sum();
+        let count = at.residuals.len() as f64;
         if norm > NEUTRAL * count {
-            return Some(self.score(&[change]));
+            return Some(self.score(&[change().collect()]));
         }
         let own: Vec<Vec<Output>> =
             (self.jacobian.len()..z.len()).map(|i| search.column(&z, &at, i)).collect();

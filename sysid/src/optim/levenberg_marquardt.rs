@@ -285,12 +285,11 @@ impl Search<'_> {
             if value < c.bounds[0] || value > c.bounds[1] {
                 continue;
             }
-            if let Some(r) = (self.residuals)(&self.outer(&moved)) {
-                return r
-                    .iter()
-                    .zip(&at.residuals)
-                    .map(|(a, b)| [(a[0] - b[0]) / h, (a[1] - b[1]) / h])
-                    .collect();
+            if let Some(mut column) = (self.residuals)(&self.outer(&moved)) {
+                for (a, b) in column.iter_mut().zip(&at.residuals) {
+                    *a = [(a[0] - b[0]) / h, (a[1] - b[1]) / h];
+                }
+                return column;
             }
         }
         vec![[0.0; 2]; at.residuals.len()]
