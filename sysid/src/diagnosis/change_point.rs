@@ -82,3 +82,97 @@ fn at_moment(
     let residuals = problem.prediction_errors(&fit.effects);
     minimize(&residuals, problem.channels(), &coordinates, &values, EFFORT)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::{asked, effects, extended, flight_with};
+    use super::*;
+
+    /// Row and time at which the moment sets in.
+    const SETS_IN: usize = 1200;
+    const AT_S: f64 = 24.0;
+
+    /// The flight with a moment that sets in, and the fit that has it.
+    fn set_in<T>(ask: impl FnOnce(&Problem<'_>, &Fit) -> T) -> T {
+        let flown = flight_with(1, |k, _, _| if k >= SETS_IN { 1.0 } else { 0.0 });
+        asked(&flown, |problem, baseline| {
+            ask(problem, &best_moment(problem, extended(problem, baseline, &effects(&["moment_step"]))))
+        })
+    }
+
+    #[test]
+    fn a_descent_that_stopped_at_another_moment_is_brought_to_the_best_within_reach() {
+        set_in(|problem, best| {
+            let place = place_of_moment(problem, best, 0).unwrap();
+            assert_eq!(place, best.own_range(problem, 0).start + 1);
+            assert!((best.minimum.values[place] - AT_S).abs() < 0.3, "{}", best.minimum.values[place]);
+            for away in [-3.0, 3.0] {
+                let mut stopped = best.clone();
+                stopped.minimum.values[place] += away;
+                stopped.minimum.criterion += 1e3;
+                let found = best_moment(problem, stopped);
+                assert!((found.minimum.values[place] - AT_S).abs() < 0.3, "{}", found.minimum.values[place]);
+                assert!((found.criterion() - best.criterion()).abs() < 1.0);
+            }
+            // One that is better already stays.
+            let mut better = best.clone();
+            better.minimum.values[place] += 1.0;
+            better.minimum.criterion -= 1e3;
+            let kept = best_moment(problem, better);
+            assert_eq!(kept.minimum.values[place], best.minimum.values[place] + 1.0);
+        });
+    }
+
+    #[test]
+    fn an_effect_without_a_moment_is_left_as_it_is() {
+        asked(&flight_with(1, |_, _, theta| -theta.sin()), |problem, baseline| {
+            let fit = extended(problem, baseline, &effects(&["gravity_stiffness"]));
+            assert_eq!(place_of_moment(problem, &fit, 0), None);
+            assert_eq!(best_moment(problem, fit.clone()).minimum.values, fit.minimum.values);
+        });
+    }
+
+    #[test]
+    fn the_interval_reaches_to_the_farthest_moment_that_is_as_likely() {
+        set_in(|problem, fit| {
+            let place = place_of_moment(problem, fit, 0).unwrap();
+            let moment = fit.minimum.values[place];
+            let rise = |away: f64| {
+                let noise = problem.noise_range();
+                at_moment(problem, fit, place, away, |j| !noise.contains(&j)).unwrap().criterion
+                    - fit.criterion()
+            };
+            let mut before = 0.0;
+            for divisor in [1.0, 100.0] {
+                let [low, high] = interval(problem, fit, place, divisor);
+                assert!(low < AT_S && AT_S < high && high - low > before, "{low} {high}");
+                before = high - low;
+                for (side, reach) in [(-1.0, moment - low), (1.0, high - moment)] {
+                    let i = PROFILE_S.iter().position(|away| (away - reach).abs() < 1e-9).unwrap();
+                    assert!(rise(side * PROFILE_S[i]) > RISE * divisor || i == PROFILE_S.len() - 1);
+                    assert!(i == 0 || rise(side * PROFILE_S[i - 1]) <= RISE * divisor);
+                }
+            }
+            // What chance makes of it all reaches as far as is looked, and no further than the parameter may go.
+            assert_eq!(interval(problem, fit, place, 1e9), [moment - 4.0, moment + 4.0]);
+            let mut early = fit.clone();
+            early.minimum.values[place] = 1.0;
+            assert_eq!(interval(problem, &early, place, 1e9), [0.0, 5.0]);
+        });
+    }
+
+    #[test]
+    fn what_is_held_stays_and_what_is_free_is_fitted_again() {
+        set_in(|problem, fit| {
+            let place = place_of_moment(problem, fit, 0).unwrap();
+            let there = at_moment(problem, fit, place, 1.0, |j| j == place - 1).unwrap();
+            for (j, (value, before)) in there.values.iter().zip(&fit.minimum.values).enumerate() {
+                let expected = before + if j == place { 1.0 } else { 0.0 };
+                assert_eq!((value - expected).abs() > 1e-9 * expected.abs(), j == place - 1, "{j}");
+            }
+            assert!(there.criterion > fit.criterion());
+            let end = problem.coordinates(&fit.effects)[place].bounds[1];
+            assert!(at_moment(problem, fit, place, end, |_| true).is_none(), "beyond the data");
+        });
+    }
+}

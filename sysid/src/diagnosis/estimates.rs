@@ -66,3 +66,97 @@ pub fn reach(problem: &Problem<'_>, all: &mut [Estimate], fit: &Fit, alone: &Fit
 pub fn estimates_of(problem: &Problem<'_>, fit: &Fit) -> Vec<Estimate> {
     estimates(problem, fit, Information::new(problem, fit, &[]).as_ref())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::data_checks::fixture::{GAIN, fitted, flight, model, read};
+    use super::super::fixture::{asked, effects, extended, flight_with};
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// The flight with a moment that sets in after 24 s, stamped by a clock that began 100 s before it.
+    fn stamped<T>(ask: impl FnOnce(&Problem<'_>, &Fit) -> T) -> T {
+        let text = flight_with(1, |k, _, _| if k >= 1200 { 1.0 } else { 0.0 }).text();
+        let rows = text.lines().enumerate().map(|(i, row)| match row.split_once(',') {
+            Some((t, rest)) if i > 0 => format!("{:.2},{rest}\n", t.parse::<f64>().unwrap() + 100.0),
+            _ => format!("{row}\n"),
+        });
+        fitted(&read(&rows.collect::<String>()), &model(GAIN, 0.06), |_, problem, baseline| {
+            let fit = extended(problem, baseline, &effects(&["moment_step"]));
+            ask(problem, &change_point::best_moment(problem, fit))
+        })
+    }
+
+    #[test]
+    fn a_moment_is_told_by_the_clock_of_the_file_with_the_interval_of_its_profile() {
+        stamped(|problem, fit| {
+            let first = fit.own_range(problem, 0).start;
+            let information = Information::new(problem, fit, &[]).unwrap();
+            let all = estimates(problem, fit, Some(&information));
+            assert_eq!(all.len(), fit.minimum.values.len());
+            let [size, begin, end] = [&all[first], &all[first + 1], &all[first + 2]];
+            let deviation = information.deviations(&fit.minimum.values)[first];
+            assert!((size.ci95[1] - size.value - 1.96 * deviation).abs() < 0.01 * deviation, "{size:?}");
+            assert!((begin.value - 124.0).abs() < 0.5, "{begin:?}");
+            let divisor = information.divisor(fit.own_range(problem, 0));
+            let profile = change_point::interval(problem, fit, first + 1, divisor);
+            assert_eq!(begin.ci95, profile.map(|moment| moment + 100.0));
+            // It does not go within the data, so anything beyond these is as good.
+            let bounds = problem.coordinates(&fit.effects)[first + 2].bounds;
+            assert_eq!(end.ci95, bounds.map(|bound| bound + 100.0));
+        });
+    }
+
+    #[test]
+    fn nothing_is_known_of_a_value_without_its_information() {
+        asked(&flight(1, 0.0), |problem, fit| {
+            let bounds = problem.coordinates(&fit.effects).into_iter().map(|c| c.bounds);
+            let all = estimates(problem, fit, None);
+            assert!(all.iter().zip(bounds).all(|(estimate, bounds)| estimate.ci95 == bounds));
+            let known = estimates_of(problem, fit);
+            assert!(known.iter().zip(&all).all(|(own, any)| own.value == any.value));
+            let [own, any] = [&known, &all].map(|e| e.iter().find(|e| e.name == "dM_du").unwrap().ci95);
+            assert!(own[0] > any[0] && own[1] < any[1], "{own:?} {any:?}");
+        });
+    }
+
+    #[test]
+    fn a_phase_is_told_within_half_a_turn() {
+        let swings = |k: usize| 0.3 * (TAU * 1.3 * 0.02 * k as f64 + 0.8).sin();
+        asked(&flight_with(1, |k, _, _| swings(k)), |problem, baseline| {
+            let mut fit = extended(problem, baseline, &effects(&["periodic_moment"]));
+            let phase = fit.own_range(problem, 0).start + 2;
+            let told = |fit: &Fit| estimates_of(problem, fit).swap_remove(phase);
+            let once = told(&fit);
+            assert!(once.value.abs() <= TAU / 2.0 && once.ci95[0] < once.value && once.value < once.ci95[1]);
+            fit.minimum.values[phase] += TAU;
+            let again = told(&fit);
+            assert!((again.value - once.value).abs() < 1e-9, "{again:?} {once:?}");
+            assert!(again.ci95[0] < again.value && again.value < again.ci95[1]);
+        });
+    }
+
+    #[test]
+    fn intervals_reach_to_what_the_names_alone_say_and_no_further_than_is_legal() {
+        let flown = flight_with(1, |_, q, theta| -2.0 * theta.sin() - 0.3 * q * q.abs());
+        asked(&flown, |problem, baseline| {
+            let fit = extended(problem, baseline, &effects(&["quadratic_drag", "gravity_stiffness"]));
+            let mut alone = extended(problem, baseline, &effects(&["gravity_stiffness"]));
+            let stiffness = fit.own_range(problem, 1).start;
+            let before = estimates_of(problem, &fit);
+            for by in [-0.5, 0.5, 1e6] {
+                alone.minimum.values =
+                    [&fit.minimum.values[..stiffness - 1], &[fit.minimum.values[stiffness] + by]].concat();
+                alone.minimum.values[0] = fit.minimum.values[0] + 0.01;
+                let mut all = before.clone();
+                reach(problem, &mut all, &fit, &alone);
+                let high = problem.coordinates(&fit.effects)[stiffness].bounds[1];
+                let [low, top] = before[stiffness].ci95;
+                let expected = [low.min(low + by), top.max((top + by).min(high))];
+                assert_eq!((all[stiffness].ci95, all[stiffness].value), (expected, before[stiffness].value));
+                assert_eq!(all[0].ci95, [before[0].ci95[0], before[0].ci95[1] + 0.01]);
+                assert_eq!(all[stiffness - 1].ci95, before[stiffness - 1].ci95, "what the other fit has not");
+            }
+        });
+    }
+}

@@ -66,6 +66,11 @@ mod tests {
             let rest = left.after.unwrap();
             assert!(rest.with_input.independent && rest.own.white, "{:?}", rest.own.p_value);
             assert!(!left.before.with_input.independent);
+            assert_eq!(
+                (rest.own.correlation.len(), rest.with_input.correlation.len()),
+                (100, 101),
+                "2 s of 0.02 s"
+            );
             assert!(left_over(problem, baseline, baseline).unwrap().after.is_none());
         });
     }

@@ -34,3 +34,60 @@ pub fn log_prior(problem: &Problem<'_>, effects: &[&'static dyn Effect], candida
     let terms = effects.iter().filter(|effect| !(pulls && is_trim(**effect))).map(of).sum::<f64>();
     if pulls { terms + log_prior_of_trim(effects) } else { terms }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::data_checks::fixture::{flight, flown};
+    use super::super::fixture::{asked, effects};
+    use super::*;
+    use crate::catalogue::shapes::SHAPES;
+    use crate::catalogue::slow_moment::SlowMoment;
+
+    fn shapes() -> Vec<&'static dyn Effect> {
+        SHAPES.iter().map(|&shape| shape as _).collect()
+    }
+
+    fn of(ids: &[&str], candidates: &Candidates) -> f64 {
+        asked(&flight(1, 0.0), |problem, _| log_prior(problem, &effects(ids), candidates))
+    }
+
+    #[test]
+    fn names_have_two_thirds_of_a_half_and_shapes_the_last_third() {
+        let named = effects(&["coulomb_friction", "gravity_stiffness", "servo_lag", "quadratic_drag"]);
+        let candidates = Candidates { named, shapes: shapes() };
+        let name = (0.5_f64 * 2.0 / 3.0 / 4.0).ln();
+        assert_eq!(of(&[], &candidates), 0.0);
+        assert!((of(&["gravity_stiffness"], &candidates) - name).abs() < 1e-12);
+        assert!((of(&["gravity_stiffness", "servo_lag"], &candidates) - 2.0 * name).abs() < 1e-12);
+        let shape = asked(&flight(1, 0.0), |problem, _| log_prior(problem, &shapes()[..1], &candidates));
+        assert!((shape - (0.5 / 3.0 / SHAPES.len() as f64).ln()).abs() < 1e-12, "{shape}");
+        let background = asked(&flight(1, 0.0), |problem, _| log_prior(problem, &[&SlowMoment], &candidates));
+        assert!((background - 0.5_f64.ln()).abs() < 1e-12, "the background");
+        let alone = Candidates { named: Vec::new(), shapes: shapes() };
+        assert!((of(&["gravity_stiffness"], &alone) - (1.0_f64 / 3.0).ln()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_term_that_holds_another_as_its_special_case_says_two_things() {
+        let named = effects(&["coulomb_friction", "stribeck_friction"]);
+        let candidates = Candidates { named, shapes: shapes() };
+        let one = (0.5_f64 * 2.0 / 3.0 / 2.0).ln();
+        assert!((of(&["coulomb_friction"], &candidates) - one).abs() < 1e-12);
+        assert!((of(&["stribeck_friction"], &candidates) - 2.0 * one).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_holds_a_craft_aside_costs_less_than_its_absence() {
+        let candidates =
+            Candidates { named: effects(&["gravity_stiffness", "trim_offset"]), shapes: Vec::new() };
+        let mut aside = flown(1, 0.0, [0.0, 1.0]);
+        aside.theta.iter_mut().for_each(|theta| *theta += 3.0);
+        let [held, hanging] = asked(&aside, |problem, _| {
+            [&["gravity_stiffness", "trim_offset"][..], &["gravity_stiffness"]]
+                .map(|ids| log_prior(problem, &effects(ids), &candidates))
+        });
+        let name = (0.5_f64 * 2.0 / 3.0 / 2.0).ln();
+        assert!((held - name - 0.9_f64.ln()).abs() < 1e-12, "{held}");
+        assert!((hanging - name - 0.1_f64.ln()).abs() < 1e-12, "{hanging}");
+    }
+}

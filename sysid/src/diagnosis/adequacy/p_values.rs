@@ -47,6 +47,37 @@ pub fn divisor(ratio: f64, freedom: f64) -> f64 {
 mod tests {
     use super::*;
 
+    fn near(found: f64, expected: f64) -> bool {
+        (found / expected - 1.0).abs() < 1e-5
+    }
+
+    #[test]
+    fn tails_are_those_of_the_tables() {
+        assert!(near(chi_squared_tail(7.0, 2.5), 0.048_333_6) && chi_squared_tail(-1.0, 3.0) == 1.0);
+        assert!(near(normal_tail(1.3), 0.096_800_5) && near(normal_tail(-1.3), 0.903_199_5));
+        assert!(near(two_sided(-1.3), 0.193_601) && near(two_sided(1.3), 0.193_601));
+        assert!(near(least_of(0.2, 4), 0.5904) && near(least_of(0.3, 1), 0.3));
+        // what rounding takes beyond one is one
+        assert!(near(least_of(1.0, 2), 1.0) && near(least_of(1.0 + 1e-9, 2), 1.0));
+    }
+
+    #[test]
+    fn a_divisor_is_what_chance_does_not_make() {
+        // the 90 % point of χ²(30) is 40.256
+        assert!(near(divisor(4.0, 30.0), 2.980_920_3));
+        assert_eq!(
+            (divisor(1.3, 30.0), divisor(f64::INFINITY, 30.0), divisor(f64::NAN, 30.0)),
+            (1.0, 1.0, 1.0)
+        );
+    }
+
+    #[test]
+    fn a_mixture_of_weights_is_near_what_many_draws_show() {
+        // χ²(1) + χ²(1)/2 > 4 in 7.30 % of ten million draws; of equal weights it is that of χ²
+        let found = mixture_tail(4.0, [1.5, 1.25, 1.125]);
+        assert!(near(found, 0.074_815_4) && (found - 0.073).abs() < 0.002, "{found}");
+    }
+
     #[test]
     fn a_mixture_of_equal_weights_is_chi_squared() {
         // three weights of 2: 2 χ²(3); its 5 % point is 2 · 7.815

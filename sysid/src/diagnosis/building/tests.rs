@@ -85,6 +85,10 @@ fn a_small_term_is_in_the_model_and_in_the_remainder() {
     assert_eq!(diagnosis.answer.effects.len(), 1);
     assert!(remainder.words.contains("quadratic_drag, chosen in"), "{}", remainder.words);
     assert_eq!(remainder.parameters.len(), 1);
+    let drag = effects(&["quadratic_drag"])[0].about();
+    assert_eq!((remainder.variable.as_str(), remainder.equation.as_str()), (drag.variable, drag.equation));
+    assert!(remainder.words.starts_with(drag.sentence) && remainder.words.contains(" of 4 rotations)"));
+    assert!(remainder.share > 0.0 && remainder.share < 0.2, "{}", remainder.share);
     assert_eq!(listed(&diagnosis), written(&diagnosis));
     assert_eq!(diagnosis.model.effects.len(), 2);
 }

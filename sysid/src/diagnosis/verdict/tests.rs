@@ -147,3 +147,10 @@ fn names_that_leave_next_to_nothing_of_the_motion_are_the_answer_whatever_is_sig
     assert_eq!(Grounds { closed: 0.97, unstable: true, ..left }.verdict(), Unlisted);
     assert_eq!(Grounds { closed: 0.97, lost_in_the_loop: true, ..left }.verdict(), Unlisted);
 }
+
+#[test]
+fn names_that_close_just_enough_are_named() {
+    let grounds = Grounds { named: 1, gained_by_names: 80.0, gained_by_all: 100.0, ..Grounds::default() };
+    assert_eq!((grounds.share_of_names(), grounds.objection()), (0.8, None));
+    assert_eq!(grounds.verdict(), Named);
+}
