@@ -120,6 +120,7 @@ mod tests {
             about: effect.about(),
             picture: effect.picture().unwrap(),
             input_unit: "rad",
+            left: false,
             branches: vec![branch; branches],
         }
     }

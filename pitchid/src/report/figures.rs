@@ -50,7 +50,7 @@ pub struct Figures {
     /// The section that shows most, and the others.
     pub first: Option<Figure>,
     pub others: Vec<Figure>,
-    /// What the data say of each term.
+    /// What the data say of each term that is missing.
     pub terms: Vec<Figure>,
     /// Where the model differs.
     pub maps: Vec<Figure>,
@@ -59,7 +59,8 @@ pub struct Figures {
     /// How the models answer.
     pub step: Option<Figure>,
     pub response: Option<Figure>,
-    /// What is left.
+    /// What is left: terms that are no finding, and what no term has.
+    pub left: Vec<Figure>,
     pub spectrum: Option<Figure>,
     pub correlations: Option<Figure>,
 }
@@ -85,7 +86,7 @@ impl Figures {
             )
         };
         let whole = if changed { "The models" } else { "The model" };
-        let terms = terms(&found.components);
+        let (terms, left) = terms(&found.components);
         let step_figure = |steps| {
             let caption = format!(
                 "{whole} after a step of the input by {}, with 95 % intervals of the parameters.",
@@ -99,8 +100,9 @@ impl Figures {
             others,
             maps: maps(report),
             // beside a term it would show again, in the residual of a model that has adapted to it, what the term's picture shows as it is
-            dependence: terms.is_empty().then(|| strongest(answer).map(of_dependence)).flatten(),
+            dependence: found.components.is_empty().then(|| strongest(answer).map(of_dependence)).flatten(),
             terms,
+            left,
             moments: moments(report.content, &found.traces, &found.over_time),
             step: found.steps.as_ref().map(step_figure),
             response: spectrum::response(&found.traces, input_unit, changed).map(|chart| {
@@ -127,8 +129,13 @@ impl Figures {
     /// All of them, in the order of the page.
     pub fn all(self) -> impl Iterator<Item = Figure> {
         let all =
-            self.recorded.into_iter().chain(self.first).chain(self.others).chain(self.terms).chain(self.maps);
-        let all = all.chain(self.dependence).chain(self.moments).chain(self.step).chain(self.response);
+            self.recorded.into_iter().chain(self.first).chain(self.others).chain(self.terms).chain(self.left);
+        let all = all
+            .chain(self.maps)
+            .chain(self.dependence)
+            .chain(self.moments)
+            .chain(self.step)
+            .chain(self.response);
         all.chain(self.spectrum).chain(self.correlations)
     }
 }
@@ -139,16 +146,21 @@ fn windows_say_something(windows: &[[f64; 2]], recording: &Recording) -> bool {
     windows.iter().map(|[from, to]| to - from).sum::<f64>() < 0.9 * whole
 }
 
-/// What the data say of each term; a second one of the same effect is numbered.
-fn terms(components: &[Component]) -> Vec<Figure> {
+/// What the data say of each term, those apart that are told as what is left; a second one of the same effect is numbered.
+fn terms(components: &[Component]) -> (Vec<Figure>, Vec<Figure>) {
     let figure = |(index, component): (usize, &Component)| {
         let id = component.about.id;
         let earlier = components[..index].iter().filter(|c| c.about.id == id).count();
         let again = if earlier > 0 { format!("-{}", earlier + 1) } else { String::new() };
         let caption = format!("{}.", component::caption(component));
-        Figure::new(format!("term-{id}{again}.svg"), HALF, caption, component::picture(component))
+        let figure =
+            Figure::new(format!("term-{id}{again}.svg"), HALF, caption, component::picture(component));
+        (component.left, figure)
     };
-    components.iter().enumerate().map(figure).collect()
+    let (left, missing): (Vec<_>, Vec<_>) =
+        components.iter().enumerate().map(figure).partition(|(left, _)| *left);
+    let [missing, left] = [missing, left].map(|some| some.into_iter().map(|(_, figure)| figure).collect());
+    (missing, left)
 }
 
 /// Time and frequency of what is left, recording by recording.

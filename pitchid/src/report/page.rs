@@ -43,6 +43,9 @@ pub fn page(report: &Report<'_>, figures: &Figures) -> String {
             h2 { "What is left" }
             p { (left) }
         }
+        @if !figures.left.is_empty() {
+            div .pair { @for figure in &figures.left { (figure.html()) } }
+        }
         (fit(&content.fit, changed))
         @if let Some(location) = &content.location { (place(location, figures)) }
         (ranking(&report.found.candidates))

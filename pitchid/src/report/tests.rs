@@ -52,6 +52,7 @@ fn component() -> Component {
         about: friction.about(),
         picture: friction.picture().unwrap(),
         input_unit: "rad",
+        left: false,
         branches: vec![branch],
     }
 }
@@ -124,6 +125,18 @@ fn every_picture_is_a_file_of_its_own_name() {
         assert_eq!(names.iter().filter(|n| **n == name).count(), 1, "{names:?}");
     }
     assert!(drawn.iter().all(|(_, svg)| svg.starts_with("<svg xmlns=") && svg.contains("<style>")));
+}
+
+#[test]
+fn a_term_that_is_left_is_not_drawn_as_what_is_missing() {
+    let mut found = found(&answer(), &traces());
+    found.components = vec![Component { left: true, ..component() }];
+    let (page, _) = drawn(&found);
+    let [missing, left, picture] =
+        ["What is missing, as the data have it", "What is left</h2>", "Dots:"].map(|words| page.find(words));
+    assert!(missing.is_none() && left.is_some() && picture > left, "{left:?} {picture:?}");
+    found.components = vec![component()];
+    assert!(drawn(&found).0.contains("What is missing, as the data have it"));
 }
 
 #[test]

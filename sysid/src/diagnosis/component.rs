@@ -37,6 +37,8 @@ pub struct Component {
     pub picture: Picture,
     /// Unit of the input.
     pub input_unit: &'static str,
+    /// Whether it is told as what is left beside the names, and not as what is missing.
+    pub left: bool,
     /// The curves: two where the directions of the motion are told apart (rising, falling), else one.
     pub branches: Vec<Branch>,
 }
@@ -92,7 +94,7 @@ fn component(problem: &Problem<'_>, fit: &Fit, index: usize) -> Option<Component
         _ => by_class(&stretches, picture, &whitening, 0.0)?,
     };
     let input_unit = problem.data.input_unit.symbol();
-    Some(Component { about: effect.about(), picture, input_unit, branches })
+    Some(Component { about: effect.about(), picture, input_unit, left: false, branches })
 }
 
 /// Every run by the model `with` the term and by the model without it; `index` is the term's place among all terms.

@@ -88,7 +88,9 @@ fn a_small_term_is_in_the_model_and_in_the_remainder() {
     let drag = effects(&["quadratic_drag"])[0].about();
     assert_eq!((remainder.variable.as_str(), remainder.equation.as_str()), (drag.variable, drag.equation));
     assert!(remainder.words.starts_with(drag.sentence) && remainder.words.contains(" of 4 rotations)"));
-    assert!(remainder.share > 0.0 && remainder.share < 0.2, "{}", remainder.share);
+    let left: Vec<(&str, bool)> = diagnosis.components.iter().map(|c| (c.about.id, c.left)).collect();
+    assert_eq!(left, [("gravity_stiffness", false), ("quadratic_drag", true)]);
+    assert!((0.0..0.2).contains(&remainder.share), "{}", remainder.share);
     assert_eq!(listed(&diagnosis), written(&diagnosis));
     assert_eq!(diagnosis.model.effects.len(), 2);
 }
@@ -119,7 +121,12 @@ fn a_term_without_a_name_is_written_with_the_coefficients_that_are_listed() {
     let of_theta = SHAPES.iter().find(|shape| shape.about().id == "of_theta").unwrap();
     let diagnosis = built(&sprung(2.0, 0.0), &[vec![*of_theta as &'static dyn Effect]], false);
     assert_eq!(diagnosis.answer.verdict, Verdict::Unlisted);
+    assert!(
+        diagnosis.components.iter().all(|component| !component.left),
+        "where no name explains, it is the answer"
+    );
     let [effect] = diagnosis.answer.effects.as_slice() else { panic!("one term") };
+    assert!(diagnosis.answer.remainder.as_ref().is_none_or(|left| left.parameters.is_empty()));
     let [entry] = diagnosis.model.effects.as_slice() else { panic!("one entry") };
     assert_eq!((effect.id.as_str(), entry.id.as_str()), (UNLISTED, UNLISTED));
     assert_eq!(entry.shape.as_deref(), Some("of_theta"));
