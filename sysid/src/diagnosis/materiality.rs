@@ -50,8 +50,22 @@ pub fn is_immaterial(effect: &dyn Effect, all: f64, rest: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fixture::{asked, effects, flight_with, selection};
     use super::*;
     use crate::catalogue::find;
+
+    #[test]
+    fn a_model_is_judged_by_the_longest_horizon() {
+        asked(&flight_with(1, |_, _, theta| -4.0 * theta.sin()), |problem, baseline| {
+            let models = selection(problem, baseline, &[], &[effects(&["gravity_stiffness"])]);
+            let places = problem.data.places();
+            let Fit { effects, minimum } = &models.visited[1].fit;
+            let all = horizon_vaf(problem, &problem.unpack(effects, &minimum.values), &places, &HORIZONS_S);
+            let [before, after] = [0, 1].map(|place| vaf_ahead(problem, &models, place, &places));
+            assert_eq!(after, Some(all.unwrap().last().unwrap().0));
+            assert!(after > before.map(|vaf| vaf + 3.0), "{before:?} {after:?}");
+        });
+    }
 
     #[test]
     fn what_a_model_tells_beyond_the_past_is_what_it_surely_tells() {

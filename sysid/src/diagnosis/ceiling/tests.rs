@@ -74,3 +74,13 @@ fn a_part_of_several_places_is_their_mean_by_length() {
         assert_eq!(of(Vec::new()), 0.0);
     });
 }
+
+#[test]
+fn taps_are_as_many_as_the_memory_a_sixth_of_the_rows_and_a_hundred_at_most() {
+    asked(1.0, 1, 0.1, |problem, parts| {
+        let of = |rows: usize, memory: f64| {
+            taps(problem, &Place { rows: 0..rows, ..parts[0].places[0].clone() }, memory)
+        };
+        assert_eq!([of(2000, 0.5), of(60, 0.5), of(2000, 10.0), of(3, 0.5)], [25, 10, 100, 1]);
+    });
+}

@@ -1,7 +1,9 @@
 //! Two names, of which one is small.
 
 use super::super::data_checks::fixture::Flight;
-use super::super::fixture::{asked, effects, flight_with, flown_by, quarters, selection, weaker_at_first};
+use super::super::fixture::{
+    asked, effects, extended, flight_with, flown_by, quarters, selection, weaker_at_first,
+};
 use super::*;
 
 /// The judgement of stiffness and drag together, where all models of the two were visited.
@@ -78,5 +80,51 @@ fn a_name_that_neither_explains_nor_predicts_is_told_as_what_is_left() {
         assert_eq!((judgement.verdict, judgement.named.len()), (Verdict::Unlisted, 0));
         assert!(ids(&judgement.small).contains(&"gravity_stiffness"));
         assert!(judgement.grounds.named > 0);
+    });
+}
+
+#[test]
+fn figures_held_out_are_means_over_the_parts() {
+    judged(&flight_with(1, |_, _, theta| -4.0 * theta.sin()), |judgement| {
+        let parts = &judgement.rotation.parts;
+        let by_hand =
+            |vaf: fn(&Scores) -> f64| parts.iter().map(|part| vaf(&part.extended)).sum::<f64>() / 4.0;
+        let [longest, free] = [by_hand(|s| s.horizons.last().unwrap().0), by_hand(|s| s.free_run)];
+        assert!(longest > 50.0 && free > 5.0 && longest != free, "{longest} {free}");
+        assert_eq!((ahead(&judgement.rotation), free_run(&judgement.rotation)), (longest, free));
+    });
+}
+
+#[test]
+fn names_are_fitted_again_without_what_is_left_where_something_is() {
+    let flown = flown_by(1, weaker_at_first(0.2), |_, q, theta| -4.0 * theta.sin() - 0.8 * q * q.abs());
+    judged(&flown, |judgement| {
+        let alone = judgement.names_alone.as_ref().unwrap();
+        assert_eq!(alone.ids(), ["gravity_stiffness"]);
+        let named = judgement.selection.visited.iter().find(|v| v.fit.ids() == alone.ids()).unwrap();
+        assert!((alone.criterion() - named.fit.criterion()).abs() < 0.5, "{}", alone.criterion());
+    });
+    let flown = flight_with(1, |_, q, theta| -4.0 * theta.sin() - 0.6 * q * q.abs());
+    judged(&flown, |judgement| assert!(judgement.names_alone.is_none() && judgement.small.is_empty()));
+}
+
+#[test]
+fn a_name_turns_about_where_its_sign_may_be_either_and_is_the_other_one_alone() {
+    let place = |problem: &Problem<'_>, fit: &Fit, id: &str| fit.range_of(problem, id).unwrap().start;
+    asked(&flight_with(1, |_, _, theta| -theta.sin()), |problem, baseline| {
+        let [moment, lag, drag] =
+            [&effects(&["trim_offset"])[0], &effects(&["servo_lag"])[0], &effects(&["quadratic_drag"])[0]];
+        let mut fit = extended(problem, baseline, &[*moment, *lag]);
+        let mut alone = extended(problem, baseline, &[*lag, *moment]);
+        let mut turns = |id: &str, values: [f64; 2], effect: &dyn Effect| {
+            let (own, other) = (place(problem, &fit, id), place(problem, &alone, id));
+            (fit.minimum.values[own], alone.minimum.values[other]) = (values[0], values[1]);
+            turns_about(problem, &fit, &alone, effect)
+        };
+        assert!(turns("trim_offset", [0.1, -0.05], *moment) && turns("trim_offset", [-0.1, 0.05], *moment));
+        assert!(!turns("trim_offset", [0.1, 0.05], *moment) && !turns("trim_offset", [-0.1, -0.05], *moment));
+        assert!(!turns("trim_offset", [0.1, 0.0], *moment), "none is no other sign");
+        assert!(!turns("servo_lag", [0.1, -0.1], *lag), "a time constant has one sign");
+        assert!(!turns("trim_offset", [0.1, -0.05], *drag), "what neither has");
     });
 }

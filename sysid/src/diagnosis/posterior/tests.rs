@@ -77,3 +77,22 @@ fn probability_is_the_share_of_the_models_with_the_term() {
         assert!(found.probability < 0.5 && found.rivals.is_empty());
     });
 }
+
+#[test]
+fn a_model_tells_its_names_its_shapes_and_its_background_apart() {
+    asked(&flight(1, 0.0), |problem, baseline| {
+        let shape = SHAPES.iter().find(|shape| shape.about().id == "of_theta").unwrap();
+        let set: Vec<&'static dyn Effect> =
+            vec![*shape, effects(&["servo_lag"])[0], effects(&["coulomb_friction"])[0]];
+        let models = selection(problem, baseline, &[], &[set]);
+        let model = &models.visited[1];
+        assert_eq!(
+            (model.names(), model.shapes()),
+            (vec!["coulomb_friction", "servo_lag"], vec!["of_theta"])
+        );
+        assert_eq!((models.visited[0].names(), models.visited[0].shapes()), (Vec::new(), Vec::new()));
+        let all = (0..3).flat_map(|i| model.fit.own_range(problem, i));
+        assert_eq!(model.own(problem), all.collect::<Vec<_>>());
+        assert_eq!(model.divisor(problem), model.information.divisor(model.own(problem).into_iter()));
+    });
+}
