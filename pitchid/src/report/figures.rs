@@ -86,7 +86,7 @@ impl Figures {
             )
         };
         let whole = if changed { "The models" } else { "The model" };
-        let (terms, left) = terms(&found.components);
+        let [terms, left] = [false, true].map(|left| terms(&found.components, left));
         let step_figure = |steps| {
             let caption = format!(
                 "{whole} after a step of the input by {}, with 95 % intervals of the parameters.",
@@ -146,21 +146,16 @@ fn windows_say_something(windows: &[[f64; 2]], recording: &Recording) -> bool {
     windows.iter().map(|[from, to]| to - from).sum::<f64>() < 0.9 * whole
 }
 
-/// What the data say of each term, those apart that are told as what is left; a second one of the same effect is numbered.
-fn terms(components: &[Component]) -> (Vec<Figure>, Vec<Figure>) {
+/// What the data say of each term that is missing, or of each that is told as what is left; a second one of the same effect is numbered.
+fn terms(components: &[Component], left: bool) -> Vec<Figure> {
     let figure = |(index, component): (usize, &Component)| {
         let id = component.about.id;
         let earlier = components[..index].iter().filter(|c| c.about.id == id).count();
         let again = if earlier > 0 { format!("-{}", earlier + 1) } else { String::new() };
         let caption = format!("{}.", component::caption(component));
-        let figure =
-            Figure::new(format!("term-{id}{again}.svg"), HALF, caption, component::picture(component));
-        (component.left, figure)
+        Figure::new(format!("term-{id}{again}.svg"), HALF, caption, component::picture(component))
     };
-    let (left, missing): (Vec<_>, Vec<_>) =
-        components.iter().enumerate().map(figure).partition(|(left, _)| *left);
-    let [missing, left] = [missing, left].map(|some| some.into_iter().map(|(_, figure)| figure).collect());
-    (missing, left)
+    components.iter().enumerate().filter(|(_, component)| component.left == left).map(figure).collect()
 }
 
 /// Time and frequency of what is left, recording by recording.

@@ -42,9 +42,7 @@ pub fn page(report: &Report<'_>, figures: &Figures) -> String {
         @if let Some(left) = &content.remainder {
             h2 { "What is left" }
             p { (left) }
-        }
-        @if !figures.left.is_empty() {
-            div .pair { @for figure in &figures.left { (figure.html()) } }
+            @if !figures.left.is_empty() { (pair(figures.left.iter())) }
         }
         (fit(&content.fit, changed))
         @if let Some(location) = &content.location { (place(location, figures)) }
@@ -86,9 +84,13 @@ fn side_by_side<'f>(title: &str, figures: impl Iterator<Item = &'f Figure>) -> M
     html! {
         @if !figures.is_empty() {
             h2 { (title) }
-            div .pair { @for figure in figures { (figure.html()) } }
+            (pair(figures.into_iter()))
         }
     }
+}
+
+fn pair<'f>(figures: impl Iterator<Item = &'f Figure>) -> Markup {
+    html! { div .pair { @for figure in figures { (figure.html()) } } }
 }
 
 fn in_order(questions: &[Question]) -> Markup {

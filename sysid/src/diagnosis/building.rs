@@ -150,10 +150,9 @@ impl Judgement<'_, '_> {
         let place = |c: &Component| findings().position(|f| f.effect.about().id == c.about.id);
         all.retain(|component| place(component).is_some());
         all.sort_by_key(place);
-        let found = if self.verdict == Verdict::Unlisted { &self.shapes[..] } else { &[] };
-        let told = || self.named.iter().chain(found);
         for component in &mut all {
-            component.left = !told().any(|f| f.effect.about().id == component.about.id);
+            let mut left = self.small.iter().chain(self.shapes_left());
+            component.left = left.any(|f| f.effect.about().id == component.about.id);
         }
         all
     }

@@ -9,10 +9,14 @@ use super::posterior::Finding;
 const TESTS_IN_WORDS: usize = 2;
 
 impl Judgement<'_, '_> {
+    /// Terms without a name that are told as what is left: where no name explains the data they are the answer.
+    pub(super) fn shapes_left(&self) -> &[Finding] {
+        if self.verdict == Verdict::Unlisted { &[] } else { &self.shapes }
+    }
+
     /// What is left; `None` where nothing is.
     pub(super) fn remainder(&self, fit: &FitAnswer) -> Option<Remainder> {
-        // Where no name explains the data, the shapes are the answer and not what is left beside it.
-        let shapes = if self.verdict == Verdict::Unlisted { &[][..] } else { &self.shapes };
+        let shapes = self.shapes_left();
         let failed: Vec<&Test> = self.failed.iter().filter(|test| test.of_physics).collect();
         if shapes.is_empty() && self.small.is_empty() && failed.is_empty() {
             return None;
