@@ -1,6 +1,7 @@
 //! The pages in a real browser: nothing fetched, nothing in the console, nothing wider than a phone, keys, contrast, paper.
 
 use crate::{Outcome, output};
+use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -31,19 +32,9 @@ pub fn check() -> Outcome {
     fs::create_dir_all(&work).map_err(|error| error.to_string())?;
     let asker = Asker { browser, axe: axe(&target.join("tools"))? };
     asker.control(&work)?;
-    let mut wrong = Vec::new();
-    for page in pages(&target.join("release/pitchid"), &root.join("docs/effects/nominal.toml"), &work)? {
-        for (view, width, dark) in VIEWS {
-            let said = asker.asked(&page, width, dark)?;
-            let name = page.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            println!("{name}, {view}: {}", said.lines().next().unwrap_or_default());
-            wrong.extend(said.lines().skip(1).map(|line| format!("{name}, {view}: {line}")));
-        }
-        let name = page.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let (sheets, cut) = asker.printed(&page)?;
-        println!("{name}, printed: {sheets} sheets");
-        wrong.extend(cut.iter().map(|what| format!("{name}, printed: {what}")));
-    }
+    let pages = pages(&target.join("release/pitchid"), &root.join("docs/effects/nominal.toml"), &work)?;
+    let wrong: Vec<String> =
+        pages.par_iter().map(|page| asker.wrong_with(page)).collect::<Outcome<Vec<_>>>()?.concat();
     if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
 }
 
@@ -99,6 +90,21 @@ impl Asker {
             Some(missed) => Err(format!("a page with everything wrong is not told \"{missed}\": {cut:?}")),
             None => Ok(()),
         }
+    }
+
+    /// All that is wrong with a page, in every view and on paper.
+    fn wrong_with(&self, page: &Path) -> Outcome<Vec<String>> {
+        let name = page.file_stem().unwrap_or_default().to_string_lossy();
+        let mut wrong = Vec::new();
+        for (view, width, dark) in VIEWS {
+            let said = self.asked(page, width, dark)?;
+            println!("{name}, {view}: {}", said.lines().next().unwrap_or_default());
+            wrong.extend(said.lines().skip(1).map(|line| format!("{name}, {view}: {line}")));
+        }
+        let (sheets, cut) = self.printed(page)?;
+        println!("{name}, printed: {sheets} sheets");
+        wrong.extend(cut.iter().map(|what| format!("{name}, printed: {what}")));
+        Ok(wrong)
     }
 
     /// What a page says to the questions of `browser.js`: how much was asked, then what is wrong.

@@ -1,9 +1,11 @@
-//! Every command of the book's own pages, run in page order in one folder; and every field of what they write.
+//! Every command of the book's own pages, run in one folder, in page order but for the effects' pages; and every field of what
+//! they write.
 //!
 //! A block marked ```` ```sh ```` holds commands, one a line; only those that begin with `pitchid` are run. One marked
 //! ```` ```sh board ```` or ```` ```sh data ```` needs what a bare machine has not, and is told as skipped.
 
 use crate::{Outcome, output};
+use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
@@ -35,27 +37,38 @@ pub fn run(root: &Path, pitchid: &Path) -> Outcome {
             .map_err(|error| format!("{model}: {error}"))?;
     }
     let summary = fs::read_to_string(docs.join("SUMMARY.md")).map_err(|error| error.to_string())?;
-    let (mut run, mut skipped) = (0, 0);
-    for page in summary.split('(').skip(1).filter_map(|rest| rest.split(')').next()) {
-        let text = fs::read_to_string(docs.join(page)).map_err(|error| format!("{page}: {error}"))?;
-        for (command, needs) in commands(&text) {
-            if let Some(what) = needs {
-                println!("{page}: skipped, needs a {what}: {command}");
-                skipped += 1;
-                continue;
-            }
-            // the words are those of a shell; the program stands in place of its name
-            let line = command.replacen("pitchid", &format!("'{}'", pitchid.display()), 1);
-            output(Command::new("sh").args(["-c", &line]).current_dir(&work))
-                .map_err(|why| format!("{page}: {command}\n{why}"))?;
-            run += 1;
-        }
-    }
-    println!("commands: {run} ran, {skipped} skipped");
+    let pages = summary.split('(').skip(1).filter_map(|rest| rest.split(')').next());
+    let (effects, read): (Vec<&str>, Vec<&str>) = pages.partition(|page| page.starts_with("effects/"));
+    // a page goes on with what the pages before it wrote; that of an effect stands alone
+    let mut chains: Vec<Vec<&str>> = effects.into_iter().map(|page| vec![page]).collect();
+    chains.insert(0, read);
+    let ran = chains.par_iter().map(|pages| in_order(pages, &docs, &work, pitchid));
+    let run: usize = ran.collect::<Outcome<Vec<_>>>()?.iter().sum();
+    println!("commands: {run} ran");
     if run == 0 {
         return Err("the book has no command to run".into());
     }
     fields(&docs, &work)
+}
+
+/// Runs the commands of `pages`, one after the other; how many.
+fn in_order(pages: &[&str], docs: &Path, work: &Path, pitchid: &Path) -> Outcome<usize> {
+    let mut run = 0;
+    for page in pages {
+        let text = fs::read_to_string(docs.join(page)).map_err(|error| format!("{page}: {error}"))?;
+        for (command, needs) in commands(&text) {
+            if let Some(what) = needs {
+                println!("{page}: skipped, needs a {what}: {command}");
+                continue;
+            }
+            // the words are those of a shell; the program stands in place of its name
+            let line = command.replacen("pitchid", &format!("'{}'", pitchid.display()), 1);
+            output(Command::new("sh").args(["-c", &line]).current_dir(work))
+                .map_err(|why| format!("{page}: {command}\n{why}"))?;
+            run += 1;
+        }
+    }
+    Ok(run)
 }
 
 /// The commands of a page, each with what it needs beyond this checkout.
