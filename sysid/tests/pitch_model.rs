@@ -103,6 +103,43 @@ fn a_spring_keeps_its_period() {
     }
 }
 
+/// Rates of a body without inertia to speak of (Mc/J = 80 rad/s²) over which a friction of 14 N m acts.
+fn rubbed(id: &str, values: &[f64], moment: impl Fn(usize) -> f64) -> Vec<f64> {
+    let plant = Plant { dm_dq: 0.0, dm_du: 1.0, delay: 0.0, ..PLANT };
+    let terms = [Term { effect: find(id).expect("it is in the catalogue"), values: values.to_vec() }];
+    let run = run((0..200).map(moment).collect());
+    let sizes = Amplitudes { q: 1.0, moment: 20.0, ..SIZES };
+    let model = PitchModel::new(&plant, &terms, &QUIET, STEP, &sizes).expect("the model is finite");
+    model.simulate(&run, 0..200, model.start(&run)).expect("it stays finite").iter().map(|y| y[0]).collect()
+}
+
+#[test]
+fn dry_friction_holds_at_rest_and_never_turns_the_motion_round() {
+    let pulse = |k: usize| if k < 10 { 20.0 } else { 13.9 };
+    let rates = rubbed("coulomb_friction", &[14.0], pulse);
+    for k in 0..=10 {
+        let expected = 6.0 / 0.1705 * k as f64 * STEP;
+        assert!((rates[k] - expected).abs() < 1e-9, "row {k}: {} for {expected}", rates[k]);
+    }
+    let fall = 0.1 / 0.1705 * STEP;
+    assert!(rates.windows(2).skip(10).all(|w| (w[1] - (w[0] - fall).max(0.0)).abs() < 1e-9));
+    let against = |k: usize| if k < 2 { 20.0 } else { -13.9 };
+    let rates = rubbed("coulomb_friction", &[14.0], against);
+    assert!(rates.iter().all(|q| *q >= 0.0) && rates[10..].iter().all(|q| *q == 0.0), "{:?}", &rates[..12]);
+}
+
+#[test]
+fn stiction_breaks_away_at_its_own_moment_and_slides_at_another() {
+    let stiction = [10.0, 14.0, 0.2];
+    assert!(rubbed("stribeck_friction", &stiction, |_| 13.9).iter().all(|q| *q == 0.0));
+    let sliding = rubbed("stribeck_friction", &stiction, |_| 14.1);
+    let fast = (sliding[199] - sliding[198]) / STEP;
+    assert!((fast - 4.1 / 0.1705).abs() < 1e-9, "{fast}");
+    let asymmetric = |moment: f64| rubbed("asymmetric_friction", &[3.0, 5.0], |_| moment)[199];
+    assert_eq!((asymmetric(2.9), asymmetric(-4.9)), (0.0, 0.0));
+    assert!(asymmetric(3.1) > 0.0 && asymmetric(-5.1) < 0.0);
+}
+
 #[test]
 fn least_squares_finds_a_line_and_its_covariance() {
     let x: Vec<f64> = (0..400).map(|k| f64::from(k) / 400.0).collect();

@@ -24,6 +24,41 @@ fn what_is_held_out_has_something_to_show_where_the_tail_is_dead() {
     }
 }
 
+/// A geared drive: its friction, two thirds of the force, stops it within two samples at every turn.
+fn drive(friction: &[(&str, f64)]) -> Bench {
+    let plant = Plant { inertia_kg_m2: 1.0, dm_dq: -4.0, dm_du: 3.0, delay_s: 0.004, mount: None };
+    Bench {
+        plant,
+        effects: vec![effect("stribeck_friction", friction)],
+        input: Input::Tones { effective: 6.0, band_hz: [0.2, 3.0], count: 20 },
+        unit: "V",
+        duration_s: 60.0,
+        background: Background::None,
+        noise: Noise { theta_rad: 3e-4, ..Noise::none() },
+        ..Bench::new(5)
+    }
+}
+
+#[test]
+fn a_drive_that_sticks_at_every_turn_has_its_friction_to_a_tenth_with_and_without_a_model() {
+    let drive = drive(&[("Ms", 21.0), ("Mc", 14.0), ("qs", 0.2)]);
+    let recording = read(&dirt::without(logged(&drive), "q_rad_s"));
+    let near = entry("stribeck_friction", &[("Mc", 13.0), ("Ms", 19.0), ("qs", 0.3)]);
+    let mut plant = drive.plant;
+    plant.dm_du *= 0.9;
+    for model in [None, Some(model_of(&plant, vec![near]))] {
+        let answer = ask(std::slice::from_ref(&recording), model.as_ref()).answer;
+        println!("{}", answer.summary);
+        let told = answer.in_model.iter().map(|known| (&known.id, &known.parameters));
+        let told = told.chain(answer.effects.iter().map(|e| (&e.id, &e.parameters)));
+        let (_, found) = told.into_iter().find(|(id, _)| *id == "stribeck_friction").expect("it is told");
+        for (name, truth) in [("Mc", 14.0), ("Ms", 21.0), ("qs", 0.2)] {
+            let p = found.iter().find(|p| p.name == name).expect("it has it");
+            assert!(is_right(p, truth, 0.1), "{p:?}");
+        }
+    }
+}
+
 /// What is said of feedback where a binary input drives a rigid airframe in gusts so many times the usual ones.
 fn feedback_under(input: Input, gusts: f64) -> State {
     let plant = Plant::nominal().rigid();

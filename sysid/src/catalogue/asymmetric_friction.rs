@@ -25,6 +25,9 @@ impl Effect for AsymmetricFriction {
     fn generalises(&self, other: &dyn Effect) -> bool {
         other.about().id == "coulomb_friction"
     }
+    fn restates(&self) -> &'static [&'static str] {
+        &["coulomb_friction", "trim_offset"]
+    }
     fn picture(&self) -> Option<Picture> {
         Some(Picture::Moment(Signal::Rate))
     }
@@ -41,6 +44,9 @@ impl Effect for AsymmetricFriction {
     }
     fn moment(&self, p: &[f64], _s: &[f64], q: f64, _theta: f64, at: &Conditions) -> f64 {
         -p[usize::from(q < 0.0)] * (q / at.small_rate).tanh()
+    }
+    fn friction(&self, p: &[f64], q: f64) -> Option<f64> {
+        Some(p[usize::from(q < 0.0)])
     }
 }
 

@@ -4,9 +4,6 @@ use crate::dataset::Amplitudes;
 use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M −= Mc sign q, sticks at rest.
-///
-/// The sign is smoothed to tanh(q/ε), ε a small share of the pitch rate's standard deviation: inside ±ε the friction
-/// acts as a strong damper, which holds the vehicle as sticking does for the length of a switching interval.
 pub struct CoulombFriction;
 
 impl Effect for CoulombFriction {
@@ -47,5 +44,8 @@ impl Effect for CoulombFriction {
     }
     fn moment(&self, p: &[f64], _s: &[f64], q: f64, _theta: f64, at: &Conditions) -> f64 {
         -p[0] * (q / at.small_rate).tanh()
+    }
+    fn friction(&self, p: &[f64], _q: f64) -> Option<f64> {
+        Some(p[0])
     }
 }

@@ -74,6 +74,9 @@ impl Effect for PeriodicMoment {
     fn turns(&self) -> Option<usize> {
         Some(2)
     }
+    fn acts_at_frequency(&self, p: &[f64]) -> Option<f64> {
+        Some(p[1])
+    }
     fn forcing(&self, p: &[f64], at: &Conditions) -> f64 {
         let omega = TAU * p[1];
         let half = 0.5 * omega * at.dt;

@@ -51,11 +51,17 @@ impl Effect for StribeckFriction {
     fn within_sample(&self) -> bool {
         true
     }
-    /// A breakaway below the sliding friction is no fall, and is taken for none.
     fn moment(&self, p: &[f64], _s: &[f64], q: f64, _theta: f64, at: &Conditions) -> f64 {
-        let fall = (p[1] - p[0]).max(0.0);
-        -(p[0] + fall * (-(q / p[2]).powi(2)).exp()) * (q / at.small_rate).tanh()
+        -level(p, q) * (q / at.small_rate).tanh()
     }
+    fn friction(&self, p: &[f64], q: f64) -> Option<f64> {
+        Some(level(p, q))
+    }
+}
+
+/// A breakaway below the sliding friction is no fall, and is taken for none.
+fn level(p: &[f64], q: f64) -> f64 {
+    p[0] + (p[1] - p[0]).max(0.0) * (-(q / p[2]).powi(2)).exp()
 }
 
 #[cfg(test)]

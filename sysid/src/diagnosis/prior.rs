@@ -4,6 +4,9 @@
 //! prior(term) = ½ · ⅔ / named   or   ½ · ⅓ / shapes
 //! ```
 //!
+//! A term that says no more than two others together, as friction with another value each way, is believed a tenth as readily as
+//! they are: drives, sensors and weights have offsets on every rig.
+//!
 //! The constant moment that holds a craft aside is no further term: nine in ten such craft have one ([`super::another_zero`]).
 
 use super::another_zero::{is_trim, log_prior_of_trim, pulls_aside};
@@ -16,6 +19,8 @@ use crate::model::effect::Effect;
 pub const FURTHER_TERM: f64 = 0.5;
 /// Prior share of the named terms among those that may be missing: two to one against the shapes without a name.
 pub const NAMED: f64 = 2.0 / 3.0;
+/// Prior odds of a term against others that say the same together.
+const RESTATED: f64 = 0.1;
 
 /// ln of the prior odds of a model with the terms `effects`, where `candidates` can be asked for.
 pub fn log_prior(problem: &Problem<'_>, effects: &[&'static dyn Effect], candidates: &Candidates) -> f64 {
@@ -29,7 +34,10 @@ pub fn log_prior(problem: &Problem<'_>, effects: &[&'static dyn Effect], candida
             if is_shape(*effect) { (1.0 - NAMED) / shapes as f64 } else { NAMED / named.len().max(1) as f64 };
         // A term that holds another as its special case says two things.
         let said = if named.iter().any(|simple| effect.generalises(*simple)) { 2.0 } else { 1.0 };
-        said * (FURTHER_TERM * share).ln()
+        let others = effect.restates();
+        let askable = |id: &&str| named.iter().any(|other| other.about().id == *id);
+        let restated = if !others.is_empty() && others.iter().all(askable) { RESTATED } else { 1.0 };
+        said * (FURTHER_TERM * share).ln() + restated.ln()
     };
     let terms = effects.iter().filter(|effect| !(pulls && is_trim(**effect))).map(of).sum::<f64>();
     if pulls { terms + log_prior_of_trim(effects) } else { terms }
@@ -74,6 +82,20 @@ mod tests {
         let one = (0.5_f64 * 2.0 / 3.0 / 2.0).ln();
         assert!((of(&["coulomb_friction"], &candidates) - one).abs() < 1e-12);
         assert!((of(&["stribeck_friction"], &candidates) - 2.0 * one).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_term_that_restates_two_others_is_believed_a_tenth_as_readily() {
+        let all = Candidates {
+            named: effects(&["coulomb_friction", "trim_offset", "asymmetric_friction"]),
+            shapes: shapes(),
+        };
+        let two = of(&["coulomb_friction", "trim_offset"], &all);
+        assert!((of(&["asymmetric_friction"], &all) - two - 0.1_f64.ln()).abs() < 1e-12);
+        let alone =
+            Candidates { named: effects(&["coulomb_friction", "asymmetric_friction"]), shapes: shapes() };
+        let one = (0.5_f64 * 2.0 / 3.0 / 2.0).ln();
+        assert!((of(&["asymmetric_friction"], &alone) - 2.0 * one).abs() < 1e-12);
     }
 
     #[test]

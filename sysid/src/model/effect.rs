@@ -209,6 +209,10 @@ pub trait Effect: Sync {
     fn turns(&self) -> Option<usize> {
         None
     }
+    /// The one frequency at which it acts, Hz.
+    fn acts_at_frequency(&self, _p: &[f64]) -> Option<f64> {
+        None
+    }
     /// Index of the parameter that is a moment in time up to which the effect acts.
     fn ends_at(&self) -> Option<usize> {
         None
@@ -224,6 +228,10 @@ pub trait Effect: Sync {
     /// Whether it holds `other` as its special case: where both explain the data alike, that is the simpler name.
     fn generalises(&self, _other: &dyn Effect) -> bool {
         false
+    }
+    /// Ids of effects that together say the same as it does, to the bit.
+    fn restates(&self) -> &'static [&'static str] {
+        &[]
     }
     /// Whether it belongs to the background, which every model may have: then it is no finding.
     fn is_background(&self) -> bool {
@@ -281,6 +289,11 @@ pub trait Effect: Sync {
     /// Moment added to the airframe, N m, at pitch rate `q` and angle `theta`, with its own states `s`.
     fn moment(&self, _p: &[f64], _s: &[f64], _q: f64, _theta: f64, _at: &Conditions) -> f64 {
         0.0
+    }
+    /// Largest moment, N m, with which dry friction opposes a motion at pitch rate `q`, or holds a body at rest that would move
+    /// in that direction. The model brings it to bear in place of `moment`, which tells the same with its step smoothed.
+    fn friction(&self, _p: &[f64], _q: f64) -> Option<f64> {
+        None
     }
     /// Factor on the pitch inertia.
     fn inertia(&self, _p: &[f64], _at: &Conditions) -> f64 {

@@ -1,7 +1,10 @@
 //! The sampled pitch model: the grey-box plant with any number of effects, run as a simulation or as a predictor.
 //!
 //! Linear parts are propagated exactly (matrix exponential), effects by a midpoint rule over steps of at most 10 ms:
-//! each effect's moment is split into its linear part, which joins the state matrix, and a remainder.
+//! each effect's moment is split into its linear part, which joins the state matrix, and a remainder. Dry friction comes last in a
+//! step: as much of it as stops the motion, and no more than there is (implicit in the sign: Moreau, 1988), rest where it falls
+//! within the step. A sign, however smoothed, overshoots rest at every step where friction is large against the inertia, and what a
+//! fit sees then is that trembling.
 
 mod drive;
 mod part_of_a_term;
@@ -74,14 +77,16 @@ pub struct PitchModel<'a> {
     terms: Vec<Placed<'a>>,
     /// Those of the terms that act on what drives the motion.
     driving: Vec<Placed<'a>>,
-    /// Those that act on the motion, or are moved by it, within a sample; without any, samples are not cut.
+    /// Those that act on the motion, or are moved by it, within a sample, but for dry friction.
     within_sample: Vec<Placed<'a>>,
+    /// Dry friction; with none of these two, samples are not cut.
+    rubbing: Vec<Placed<'a>>,
     /// Those of these that have states of their own.
     following: Vec<Placed<'a>>,
     /// Whether one of these is impulsive.
     is_impulsive: bool,
-    /// Over a whole sample.
-    over_sample: StateMatrix,
+    /// Over a whole sample, dry friction by its linear part too: what gains are made of.
+    linearised: StateMatrix,
     /// Over one substep, for the inner loop.
     substep: Transition,
     /// Over a whole sample, for the inner loop.
@@ -144,7 +149,9 @@ impl<'a> PitchModel<'a> {
             inertia: plant.inertia,
             ..Conditions::default()
         };
-        let (stiffness, damping) = linear_part(terms, &conditions);
+        let (rub, others): (Vec<&Term>, Vec<&Term>) =
+            terms.iter().partition(|term| term.effect.friction(&term.values, 0.0).is_some());
+        let (stiffness, damping) = linear_part(&others, &conditions);
         let mut continuous = plant.state_matrix(stiffness, damping, disturbance);
         let (mut rate, mut angle) = plant.measured();
         let lag = |of: fn(&Term) -> Option<f64>| terms.iter().find_map(of);
@@ -176,6 +183,9 @@ impl<'a> PitchModel<'a> {
         let terms = placed(terms);
         let (within_sample, driving): (Vec<Placed<'_>>, Vec<Placed<'_>>) =
             terms.iter().cloned().partition(|term| term.effect.within_sample());
+        let rubs = |term: &Placed<'_>| term.effect.friction(term.values, 0.0).is_some();
+        let (rubbing, within_sample): (Vec<Placed<'_>>, Vec<Placed<'_>>) =
+            within_sample.into_iter().partition(rubs);
         let at_the_end = Conditions { t: f64::MAX, ..conditions };
         let delay = plant.delay + later(&terms, &conditions);
         let delay_moves = later(&terms, &at_the_end) != later(&terms, &conditions);
@@ -189,19 +199,29 @@ impl<'a> PitchModel<'a> {
             per_moment_of_substep.insert(0, over_sample * per_moment);
             over_sample = transition * over_sample;
         }
+        let kick = Kick::new(&(continuous * dt), &transition, plant.inertia);
+        let moment_row = continuous.row(Q) * plant.inertia;
+        let linear_friction = linear_part(&rub, &conditions).1;
+        let linearised = if linear_friction == 0.0 {
+            over_sample
+        } else {
+            continuous[(Q, Q)] -= linear_friction / plant.inertia;
+            (continuous * step).exp()
+        };
         Some(Self {
             plant,
-            over_sample,
+            linearised,
             substep: Transition::new(&transition),
             sample: Transition::new(&over_sample),
             per_moment,
             per_moment_of_substep,
             per_angle_rate: exp.fixed_view::<STATES, 1>(0, STATES + 1).into_owned(),
-            kick: Kick::new(&(continuous * dt), &transition, plant.inertia),
-            moment_row: continuous.row(Q) * plant.inertia,
+            kick,
+            moment_row,
             measured: (rate, angle),
             is_impulsive: within_sample.iter().any(|term| term.effect.is_impulsive()),
             driving,
+            rubbing,
             following: within_sample.iter().filter(|term| !term.own.is_empty()).cloned().collect(),
             within_sample,
             has_limit: limited(&terms, BEYOND) != BEYOND,
@@ -224,7 +244,7 @@ impl<'a> PitchModel<'a> {
     /// Whether the linear model's motion dies out or drifts, but does not grow.
     pub fn is_stable(&self) -> bool {
         const HAIR: f64 = 1e-6;
-        self.over_sample.complex_eigenvalues().iter().all(|root| root.norm() <= 1.0 + HAIR)
+        self.linearised.complex_eigenvalues().iter().all(|root| root.norm() <= 1.0 + HAIR)
     }
 
     /// Indices of the states that are measured: rate and angle.
@@ -287,7 +307,7 @@ impl<'a> PitchModel<'a> {
 
     /// The motion one sample further under `drives`, one for each substep; `at` are the conditions of any row.
     fn moved(&self, point: &mut Point, run: &Run, k: usize, at: &mut Conditions, drives: &[Drive]) -> bool {
-        if self.within_sample.is_empty() {
+        if self.within_sample.is_empty() && self.rubbing.is_empty() {
             let mut driven = State::zeros();
             for (per_moment, drive) in self.per_moment_of_substep.iter().zip(drives) {
                 driven += per_moment * (self.plant.dm_du * drive.blades + drive.forced);
@@ -339,7 +359,11 @@ impl<'a> PitchModel<'a> {
         // The chord cuts off an angle that swings: Hermite's cubic through both ends does not.
         middle[THETA] += at.dt * (before[Q] - after[Q]) / 8.0;
         let (corrected, corrected_rate) = self.nonlinear(&middle, &point.own, driving, at);
-        let after = self.acted_on(after, corrected - moment, corrected_rate - angle_rate);
+        let mut after = self.acted_on(after, corrected - moment, corrected_rate - angle_rate);
+        if !self.rubbing.is_empty() {
+            let (friction, slower) = self.rubbed(before[Q], after[Q], at);
+            after = self.acted_on(after, friction, slower);
+        }
         point.x = after;
         let (rate, angle) = self.measured;
         let mean = |state: usize| 0.5 * (before[state] + after[state]);
@@ -348,6 +372,36 @@ impl<'a> PitchModel<'a> {
             effect.follow(values, own, mean(Q), mean(THETA), at);
             effect.sense(values, own, after[rate], after[angle], control / self.plant.inertia, at);
         }
+    }
+
+    /// Dry friction over a substep that begins at the rate `before` and would end at the rate `free` without it: its mean moment, and
+    /// the mean rate by which the angle moves less where the motion comes to rest on the way, at a share of the substep at which it
+    /// has fallen to zero evenly. From rest it goes on if more drives it than friction holds.
+    fn rubbed(&self, before: f64, free: f64, at: &Conditions) -> (f64, f64) {
+        let inertia = inertia_factor(&self.terms, at);
+        let lost = |rate: f64| {
+            let levels = self.rubbing.iter().filter_map(|term| term.effect.friction(term.values, rate));
+            self.per_moment[Q] * levels.sum::<f64>() / inertia
+        };
+        let slid = |rate: f64| free - lost(rate).copysign(before);
+        let mut end = slid(before);
+        let mut comes_to_rest = 0.0;
+        if before * end > 0.0 {
+            end = slid(0.5 * (before + end));
+        }
+        if before * end <= 0.0 {
+            let moved = if before == 0.0 { 0.0 } else { before / (before - end) };
+            let driven = free - before;
+            let gone_on = |rate: f64| {
+                (1.0 - moved) * (driven.abs() - lost(rate.copysign(driven))).max(0.0).copysign(driven)
+            };
+            end = gone_on(0.0);
+            if end != 0.0 {
+                end = gone_on(0.5 * end);
+            }
+            comes_to_rest = -0.5 * (before * (1.0 - moved) + end * moved);
+        }
+        ((end - free) / self.per_moment[Q], comes_to_rest)
     }
 
     /// `x` at the end of a substep with a `moment` and an addition to θ̇ during it.

@@ -17,6 +17,9 @@ use sysid::optim::levenberg_marquardt::{Coordinate, Effort, minimize};
 const NO_NOISE: Disturbance =
     Disturbance { intensity: 0.0, frequency: 1.0, damping: 1.0, zero: 0.0, angle_noise: 1.0, third: None };
 const EFFORT: Effort = Effort { iterations: 80, tolerance: 0.05 };
+/// The whole is divided by these, one after the other: where friction holds, a position once lost stays lost, and a free run over
+/// all of it from a start that is far off has many minima.
+const SHARES: [usize; 4] = [8, 4, 2, 1];
 /// Unknowns before those of the terms: ∂M/∂q, ∂M/∂u, delay, rate and angle at the start.
 const FIRST: usize = 5;
 /// A moment that every rig may have: its sensors and drives have offsets.
@@ -89,13 +92,13 @@ impl Simulation {
         let start = self.initialised(piece, samples)?;
         let own = self.terms.iter().flat_map(|term| term.values.iter().copied());
         let Plant { dm_dq, dm_du, delay, .. } = self.plant;
-        let values: Vec<f64> = [dm_dq, dm_du, delay, start[0], start[1]].into_iter().chain(own).collect();
-        let errors = |v: &[f64]| {
-            let simulation = self.with(v);
-            simulation.errors(piece, [v[3], v[4]], piece.len())
-        };
-        let found = minimize(&errors, 1, &self.coordinates(), &values, EFFORT)?;
-        Some(self.with(&found.values))
+        let mut values: Vec<f64> = [dm_dq, dm_du, delay, start[0], start[1]].into_iter().chain(own).collect();
+        for share in SHARES {
+            let length = piece.len() / share;
+            let errors = |v: &[f64]| self.with(v).errors(piece, [v[3], v[4]], length);
+            values = minimize(&errors, 1, &self.coordinates(), &values, EFFORT)?.values;
+        }
+        Some(self.with(&values))
     }
 
     fn with(&self, values: &[f64]) -> Self {

@@ -43,7 +43,7 @@ pub fn inertia_factor(terms: &[Placed<'_>], at: &Conditions) -> f64 {
 
 /// Stiffness and damping (N m/rad, N m s/rad) that stand for the effects' moments in the mean, at the signals'
 /// sizes: statistical linearisation (Booton, 1954) by three Gauss–Hermite nodes.
-pub fn linear_part(terms: &[Term], at: &Conditions) -> (f64, f64) {
+pub fn linear_part(terms: &[&Term], at: &Conditions) -> (f64, f64) {
     let sizes = &at.sizes;
     let own = [0.0; OWN_STATES];
     let moment = |q: f64, theta: f64| -> f64 {

@@ -29,8 +29,8 @@ impl PitchModel<'_> {
         let (rate, angle) = self.measured;
         let channels = [(run.rate.is_some(), rate), (run.angle.is_some(), angle)];
         let measured: Vec<usize> = channels.iter().filter(|c| c.0).map(|c| c.1).collect();
-        let per_addition: Vec<State> = gains.begin.iter().map(|k| self.over_sample * k).collect();
-        let mut transition = self.over_sample;
+        let per_addition: Vec<State> = gains.begin.iter().map(|k| self.linearised * k).collect();
+        let mut transition = self.linearised;
         for (&state, addition) in measured.iter().zip(&per_addition) {
             let less = transition.column(state) - addition;
             transition.set_column(state, &less);
@@ -45,12 +45,12 @@ impl PitchModel<'_> {
     }
 
     fn steady(&self, disturbance: &Disturbance, run: &Run) -> Option<Vec<State>> {
-        let mut over_sample = self.over_sample;
+        let mut over_sample = self.linearised;
         let mut process = StateMatrix::zeros();
         let mut driven = |state: usize, intensity: f64| {
             let mut drive = State::zeros();
             drive[state] = intensity * (self.step / 2.0).sqrt();
-            let later = self.over_sample * drive;
+            let later = self.linearised * drive;
             process += drive * drive.transpose() + later * later.transpose();
         };
         driven(DISTURBANCE + 1, disturbance.intensity);
