@@ -12,8 +12,11 @@
 //! correlation; and neither that nor a delay in the loop puts a *later* w into e. The switches of an excitation outweigh
 //! by far what a controller adds to it, so the sums are taken twice, over all rows and (regression included) without those
 //! of a large w, and once more over all rows up to a second ahead, more coarsely; the clearest counts, its odds multiplied, the
-//! [dwells](super::dwells) of a switching input among them. Where nothing is new between the switches, there is an
-//! excitation and nothing else. Dwells that follow the motion as far as the input made it, and no further, decide nothing.
+//! [dwells](super::dwells) of a switching input among them. A controller that is faster than the log answers in the row of the
+//! motion, before which no input can have acted that is new there: l = 0 is a test of its own, but where the rows are averages,
+//! in which the input acts. Where nothing is new between the switches, there is an excitation and nothing else; where
+//! something is, averages rule nothing out. Dwells that follow the motion as far as the input made it, and no further, decide
+//! nothing.
 //!
 //! Sources: Haugh, JASA 71, 1976; White's (1980) variance, for errors of uneven size.
 
@@ -66,12 +69,15 @@ pub struct Loops {
     overridden: Vec<(String, f64)>,
     /// That share of all sections that claim to be open loop.
     share: f64,
+    /// Logged samples that were averaged into a row.
+    averaged: usize,
 }
 
 impl Loops {
     /// Tests the sections that claim to be open loop, the rows of the supervisor left out.
     pub fn new(recordings: &[Recording], problem: &Problem<'_>, fit: &Fit) -> Self {
-        let mut loops = Self::default();
+        let averaged = problem.data.thinned;
+        let mut loops = Self { averaged, ..Self::default() };
         let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
         let Some(innovations) = innovations(problem, &unpacked) else { return loops };
         let places = problem.data.places();
@@ -101,7 +107,7 @@ impl Loops {
             let dwells = dwells(u, &motion, supervised, simulated.as_deref());
             loops.dwells.extend(dwells.iter().map(|dwells| (place.label.clone(), dwells.by_motion)));
             let e = &innovations[place.run][place.rows.clone()];
-            let section = Section { u, e, supervised, step: run.step, dwells };
+            let section = Section { u, e, supervised, step: run.step, averaged, dwells };
             loops.tests.extend(section.test().map(|test| (place.label, test)));
         }
         loops.share = entered as f64 / rows.max(1) as f64;
@@ -184,6 +190,15 @@ impl Loops {
         }
         let mut labels: Vec<String> = self.tests.iter().map(|(label, _)| called(label)).collect();
         labels.dedup();
+        if self.averaged > 1 && self.tests.iter().any(|(_, test)| test.new_between) {
+            let words = format!(
+                "{} samples were averaged into one, and a controller that answers within them is not seen; over longer times the \
+                 motion says nothing of later inputs (least p = {}){by_design}",
+                self.averaged,
+                digits(least)
+            );
+            return DataCheck::cannot_tell(CAUSE, words);
+        }
         let words = format!(
             "in {} the motion says nothing of later inputs (least p = {}){by_design}",
             labels.join(", "),
@@ -227,6 +242,7 @@ struct Section<'a> {
     e: &'a [Output],
     supervised: &'a [bool],
     step: f64,
+    averaged: usize,
     dwells: Option<Dwells>,
 }
 
@@ -236,10 +252,14 @@ struct Test {
     /// Share of the variance of what is new in the input that the motion explains, beyond what chance gives.
     share: f64,
     kind: Kind,
+    /// Whether anything is new in the input between its switches.
+    new_between: bool,
 }
 
 /// What was asked.
 enum Kind {
+    /// The innovations against what is new in the input of the same row.
+    AtOnce,
     /// The innovations against what is new in the input so many s later.
     Later(f64),
     /// What the input did not make of the motion at a switch against the time to the next.
@@ -250,6 +270,9 @@ impl Test {
     fn told(&self) -> String {
         let share = 100.0 * self.share;
         match self.kind {
+            Kind::AtOnce => {
+                format!("the innovations explain {share:.1} % of what is new in the input of the same row")
+            }
             Kind::Later(reach) => format!(
                 "the innovations explain {share:.1} % of what is new in the input within the next {reach:.2} s"
             ),
@@ -270,20 +293,32 @@ impl Section<'_> {
             return None;
         }
         let channels = uncorrelated(self.e);
-        let later = |reach: f64, new: &[f64], counts: &[bool]| self.sums(&channels, new, counts, reach);
-        let [near, far] = LATER_S;
+        let [near, far] = LATER_S.map(|reach| self.later(reach));
+        let sums = |lags: &[usize], new: &[f64], counts: &[bool]| self.sums(&channels, new, counts, lags);
         let between = self.between_switches(taps, whole.clone(), &all);
+        let (between, whole) = (between.as_ref(), (&whole, &all));
+        let in_its_row = |(new, counts): (&Vec<f64>, &Vec<bool>)| {
+            (self.averaged == 1).then(|| sums(&[0], new, counts)).flatten()
+        };
         let by_the_rest = self.dwells.as_ref().and_then(|dwells| dwells.by_the_rest.as_ref());
+        let new_between = between.is_some();
         let tests = [
-            later(near, &whole, &all),
-            later(far, &whole, &all),
-            between.and_then(|(new, counts)| later(near, &new, &counts)),
-            by_the_rest.map(|&Told { p_value, share }| Test { p_value, share, kind: Kind::Dwell }),
+            in_its_row(whole),
+            sums(&near, whole.0, whole.1),
+            sums(&far, whole.0, whole.1),
+            between.and_then(|(new, counts)| in_its_row((new, counts))),
+            between.and_then(|(new, counts)| sums(&near, new, counts)),
+            by_the_rest.map(|&Told { p_value, share }| Test {
+                p_value,
+                share,
+                kind: Kind::Dwell,
+                new_between,
+            }),
         ];
         let tests: Vec<Test> = tests.into_iter().flatten().collect();
         let odds = tests.len() as f64;
         let clearest = tests.into_iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
-        Some(Test { p_value: (odds * clearest.p_value).min(1.0), ..clearest })
+        Some(Test { p_value: (odds * clearest.p_value).min(1.0), new_between, ..clearest })
     }
 
     /// What is new in the input between its switches, and the rows that are no switches; `None` where nothing is.
@@ -297,12 +332,16 @@ impl Section<'_> {
         (median_size(&new, &counts) > ROUNDING * typical_size(self.u, all)).then_some((new, counts))
     }
 
-    /// Of innovations and what is new in the input up to `reach` s later.
-    fn sums(&self, channels: &[Vec<f64>], new: &[f64], counts: &[bool], reach: f64) -> Option<Test> {
+    /// The lags of inputs up to `reach` s later.
+    fn later(&self, reach: f64) -> Vec<usize> {
         let last = ((reach / self.step).round() as usize).max(3);
-        let lags: Vec<usize> = (1..=last).step_by(last.div_ceil(MOST_LATER)).collect();
+        (1..=last).step_by(last.div_ceil(MOST_LATER)).collect()
+    }
+
+    /// Of innovations and what is new in the input `lags` rows later.
+    fn sums(&self, channels: &[Vec<f64>], new: &[f64], counts: &[bool], lags: &[usize]) -> Option<Test> {
         let (mut sum, mut share, mut fewest) = (0.0, 0.0, usize::MAX);
-        for &lag in &lags {
+        for &lag in lags {
             // Rows without the supervisor from the innovation to the input that is new.
             let rows: Vec<usize> = (lag..new.len())
                 .filter(|&k| counts[k] && !self.supervised[k - lag..=k].contains(&true))
@@ -321,7 +360,11 @@ impl Section<'_> {
         }
         let freedom = (channels.len() * lags.len()) as f64;
         let p_value = ChiSquared::new(freedom).ok()?.sf(sum);
-        (fewest >= FEWEST).then_some(Test { p_value, share, kind: Kind::Later(last as f64 * self.step) })
+        let kind = match lags {
+            [0] => Kind::AtOnce,
+            _ => Kind::Later(lags.last().map_or(0.0, |&last| last as f64 * self.step)),
+        };
+        (fewest >= FEWEST).then_some(Test { p_value, share, kind, new_between: false })
     }
 }
 

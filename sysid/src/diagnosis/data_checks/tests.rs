@@ -204,6 +204,21 @@ fn sections_that_are_closed_on_purpose_are_not_accused() {
 }
 
 #[test]
+fn a_controller_that_answers_in_the_row_of_the_motion_is_found_there() {
+    // what is measured and is no motion shows once: no later row knows of it
+    let mut noisy = flight(1, 0.0);
+    let mut random = Pcg64::seed_from_u64(3);
+    for (u, q) in noisy.u.iter_mut().zip(&mut noisy.q) {
+        let noise = 0.05 * normal(&mut random);
+        *q += noise;
+        *u -= 0.01 * noise;
+    }
+    let described = loops(&noisy.recording(), 0.06);
+    assert_eq!(described.state, State::Found, "{described:?}");
+    assert!(described.words.contains("of the same row"), "{described:?}");
+}
+
+#[test]
 fn the_supervisor_is_told_as_a_fact() {
     let mut entered = flight(1, 0.0);
     entered.supervised[300..320].fill(true);
