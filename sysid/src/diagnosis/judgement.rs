@@ -3,6 +3,7 @@
 use super::adequacy::{Test, failing, tests};
 use super::answer::Verdict;
 use super::gust::{Gust, gust};
+use super::input_line::input_has_line;
 use super::levels::{
     ADEQUACY, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, THE_INPUTS_OWN, WORTH_A_NAME,
 };
@@ -31,8 +32,9 @@ pub struct Judgement<'p, 'd> {
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
     /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those
-    /// without which the motion is explained as well, facets of another, what comes once and is soon over, what turns its sign
-    /// with the rest left out, and all where the model neither explains the data nor predicts the motion.
+    /// without which the motion is explained as well, facets of another, small ones beside a larger of their class, a moment at
+    /// a line of the input, what comes once and is soon over, what turns its sign with the rest left out, and all where the
+    /// model neither explains the data nor predicts the motion.
     pub small: Vec<Finding>,
     /// The model with its named terms alone, fitted again, where there are others too.
     pub names_alone: Option<Fit>,
@@ -115,23 +117,34 @@ impl<'p, 'd> Judgement<'p, 'd> {
                 || held_out.signed_rank > HELD_OUT_ERRORS
         };
         let all: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
+        let values = |finding: &Finding| {
+            fit.range_of(problem, finding.effect.about().id).and_then(|own| fit.minimum.values.get(own))
+        };
         let accounted = |finding: &Finding| {
-            let own =
-                fit.range_of(problem, finding.effect.about().id).and_then(|own| fit.minimum.values.get(own));
-            own.is_some_and(|p| all.iter().any(|e| e.accounts_for(finding.effect, p, &problem.sizes)))
+            values(finding)
+                .is_some_and(|p| all.iter().any(|e| e.accounts_for(finding.effect, p, &problem.sizes)))
+        };
+        let of_the_input = |finding: &Finding| {
+            let f_hz = values(finding).and_then(|p| finding.effect.acts_at_frequency(p));
+            f_hz.is_some_and(|f_hz| input_has_line(problem, f_hz))
+        };
+        // What the data hardly tell from the first of its class, and what closes little beside it, mends the first's form.
+        let mends = |i: usize, finding: &Finding| {
+            let class = finding.effect.class();
+            class.is_some() && all[..i].iter().any(|e| e.class() == class) && finding.share < 1.0 - MATERIAL
         };
         // What comes once and is over within a block is an event, as a push or the one gust of the day: nothing that a model lacks.
         let is_event = |finding: &Finding| {
-            let values =
-                fit.range_of(problem, finding.effect.about().id).and_then(|own| fit.minimum.values.get(own));
-            let at = |place: Option<usize>| values?.get(place?).copied();
+            let at = |place: Option<usize>| values(finding)?.get(place?).copied();
             let lasts = at(finding.effect.ends_at()).zip(at(finding.effect.begins_at()));
             lasts.is_some_and(|(end, begin)| end - begin < BLOCK_S)
         };
         let is_small = |(i, finding): &(usize, Finding)| {
             let uncertain = finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len();
             *i > 0 && (uncertain || finding.share < WORTH_A_NAME || !clear(finding) || immaterial[*i])
+                || mends(*i, finding)
                 || accounted(finding)
+                || of_the_input(finding)
                 || is_event(finding)
         };
         let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
