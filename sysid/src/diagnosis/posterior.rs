@@ -251,7 +251,7 @@ fn names(fit: &Fit) -> usize {
 }
 
 /// Odds that two models predict alike a while ahead, where what the command does counts and not what the noise did.
-fn alike_ahead(problem: &Problem<'_>, model: &Fit, rival: &Fit) -> f64 {
+pub fn alike_ahead(problem: &Problem<'_>, model: &Fit, rival: &Fit) -> f64 {
     let [model, rival] = [model, rival].map(|fit| problem.unpack(&fit.effects, &fit.minimum.values));
     indistinct_ahead(problem, [&model, &rival], &problem.data.places(), LAG_HORIZON_S).unwrap_or(0.0)
 }

@@ -1,9 +1,9 @@
 //! What the axes of one vehicle share: an effect of the actuators, of the sensors or of the clocks is one effect of one size.
 //!
 //! On axis a the data say ẑ_a ± s_a of the effect's parameter (in the coordinate of the search, a logarithm), and gain g_a in
-//! log likelihood over the model without it, calibrated by blocks. Sizes that axes share lie within τ of one z̄ (the loads
-//! are not quite the same). That the axes of a set S share it, against that every axis has a size of its own or none, has the
-//! evidence
+//! log likelihood over the model without it, calibrated by blocks; of two effects that an axis cannot tell apart, the gain of
+//! the better. Sizes that axes share lie within τ of one z̄ (the loads are not quite the same). That the axes of a set S share it,
+//! against that every axis has a size of its own or none, has the evidence
 //!
 //! ```text
 //! ln E(S) = Σ_{a ∈ S} (g_a − (ẑ_a − z̄)²/2σ_a² + ln(s_a/σ_a) − r_a) + ½ ln(2π s̄²) − ln(range)
@@ -15,6 +15,7 @@
 //! their reaction); a gyro's filter and a clock serve all.
 
 use super::levels::{PLAUSIBLE, WIDEST_SHARED_INTERVAL};
+use super::posterior::alike_ahead;
 use super::search::fit_one_more;
 use crate::catalogue::gyro_lag::GyroLag;
 use crate::catalogue::servo_lag::ServoLag;
@@ -75,6 +76,7 @@ struct Said {
     deviation: f64,
     fits: Fits,
     divisor: f64,
+    fit: Fit,
 }
 
 /// Criteria of an axis: with the effect, and the lowest without it that was found from there.
@@ -108,7 +110,30 @@ impl Posed<'_> {
         let value = fit.minimum.values[own.start];
         let deviation = information.deviations(&fit.minimum.values)[own.start] / coordinate.stretch(value);
         let fits = Fits { with: fit.criterion(), without: self.without(&fit.minimum.values[..own.start]) };
-        deviation.is_finite().then(|| Said { z: coordinate.inner(value), deviation, fits, divisor })
+        let z = coordinate.inner(value);
+        deviation.is_finite().then(|| Said { z, deviation, fits, divisor, fit: fit.clone() })
+    }
+
+    /// What this axis says of every effect. Its likelihoods are all calibrated alike; and where nothing but the noise model tells
+    /// one effect from another, as without an angle, both have the gain of the better.
+    fn says(&self) -> Vec<Option<Said>> {
+        let mut said: Vec<Option<Said>> = CANDIDATES.iter().map(|&effect| self.wants(effect)).collect();
+        let divisor = said.iter().flatten().map(|said| said.divisor).fold(1.0, f64::max);
+        let alike = |one: &Said, other: &Said| {
+            !self.problem.data.has_angle && alike_ahead(&self.problem, &one.fit, &other.fit) >= PLAUSIBLE
+        };
+        let best = |one: &Said| {
+            said.iter()
+                .flatten()
+                .filter(|other| alike(one, other))
+                .map(|other| other.fits.with)
+                .fold(one.fits.with, f64::min)
+        };
+        let with: Vec<Option<f64>> = said.iter().map(|said| said.as_ref().map(best)).collect();
+        for (said, with) in said.iter_mut().zip(with).filter_map(|(said, with)| said.as_mut().zip(with)) {
+            (said.divisor, said.fits.with) = (divisor, with);
+        }
+        said
     }
 
     /// With the effect at `value`, all else fitted.
@@ -160,33 +185,29 @@ pub fn shared(axes: &[Asked<'_>]) -> Option<SharedTerm> {
         .iter()
         .map(|effect| crate::likelihood::problem::coordinate_of(&effect.parameters(&sizes)[0]))
         .collect();
-    let said: Vec<Vec<Option<Said>>> =
-        CANDIDATES.iter().map(|&effect| posed.iter().map(|axis| axis.wants(effect)).collect()).collect();
+    let said: Vec<Vec<Option<Said>>> = posed.iter().map(Posed::says).collect();
+    let of = |effect: usize| -> Vec<Option<&Said>> { said.iter().map(|of| of[effect].as_ref()).collect() };
     let mut all = Vec::new();
     for (effect, &candidate) in CANDIDATES.iter().enumerate() {
         for set in sets(axes.len(), candidate.about().locus == Locus::Actuator) {
-            all.extend(hypothesis(effect, candidate, &coordinates[effect], &posed, &said[effect], set));
+            all.extend(hypothesis(effect, candidate, &coordinates[effect], &posed, &of(effect), set));
         }
     }
     let mut without: Vec<f64> = axes.iter().map(|asked| asked.fit.criterion()).collect();
     for (&a, (fits, _)) in all.iter().flat_map(|h: &Hypothesis| h.axes.iter().zip(&h.fits)) {
         without[a] = without[a].min(fits.without);
     }
-    for of_effect in &said {
-        for (said, without) in of_effect.iter().zip(&mut without) {
-            *without = said.as_ref().map_or(*without, |said| without.min(said.fits.without));
-        }
+    for (of_axis, without) in said.iter().zip(&mut without) {
+        *without = of_axis.iter().flatten().fold(*without, |least, said| least.min(said.fits.without));
     }
-    let alone: Vec<f64> = (0..axes.len())
-        .map(|a| {
-            let of = |(said, coordinate): (&Vec<Option<Said>>, &Coordinate)| {
-                let said = said[a].as_ref()?;
-                let gain = 0.5 * (without[a] - said.fits.with) / said.divisor;
-                Some(gain + occam(said.deviation, coordinate))
-            };
-            said.iter().zip(&coordinates).filter_map(of).fold(0.0, f64::max)
-        })
-        .collect();
+    let alone = said.iter().zip(&without).map(|(of_axis, without)| {
+        let worth = |(said, coordinate): (&Option<Said>, &Coordinate)| {
+            let said = said.as_ref()?;
+            Some(0.5 * (without - said.fits.with) / said.divisor + occam(said.deviation, coordinate))
+        };
+        of_axis.iter().zip(&coordinates).filter_map(worth).fold(0.0, f64::max)
+    });
+    let alone: Vec<f64> = alone.collect();
     let prior = ((1.0 - NONE) / all.len().max(1) as f64 / NONE).ln();
     let log = |h: &Hypothesis| h.log_evidence(&without, &alone) + prior;
     let best = all.iter().max_by(|a, b| log(a).total_cmp(&log(b)))?;
@@ -212,7 +233,7 @@ pub fn shared(axes: &[Asked<'_>]) -> Option<SharedTerm> {
     let alone = best
         .axes
         .iter()
-        .filter_map(|&a| said[best.effect][a].as_ref())
+        .filter_map(|&a| said[a][best.effect].as_ref())
         .map(|said| estimate(said.z, said.deviation));
     let others = (0..axes.len()).filter(|a| !best.axes.contains(a)).collect::<Vec<_>>();
     let rivals = all.iter().filter(|h| !std::ptr::eq(*h, best) && probability(h) >= PLAUSIBLE);
@@ -245,10 +266,10 @@ fn hypothesis(
     candidate: &'static dyn Effect,
     coordinate: &Coordinate,
     posed: &[Posed<'_>],
-    said: &[Option<Said>],
+    said: &[Option<&Said>],
     axes: Vec<usize>,
 ) -> Option<Hypothesis> {
-    let wanting: Vec<&Said> = axes.iter().filter_map(|&a| said[a].as_ref()).collect();
+    let wanting: Vec<&Said> = axes.iter().filter_map(|&a| said[a]).collect();
     let weight = |said: &&Said| 1.0 / (said.deviation * said.deviation + ALIKE * ALIKE);
     let total: f64 = wanting.iter().map(weight).sum();
     if wanting.is_empty() {
@@ -261,13 +282,15 @@ fn hypothesis(
     let mut beside = 0.0;
     let mut fits = Vec::with_capacity(axes.len());
     for &a in &axes {
-        fits.push(match said[a].as_ref().filter(near) {
+        fits.push(match said[a].filter(near) {
             Some(said) => {
                 let share = weight(&said).sqrt() * said.deviation;
                 beside += 0.5 * weight(&said) * (said.z - z).powi(2) - share.ln();
                 (said.fits, said.divisor)
             }
-            None => (posed[a].at(candidate, coordinate.outer(z))?, divisor),
+            None => {
+                (posed[a].at(candidate, coordinate.outer(z))?, said[a].map_or(divisor, |said| said.divisor))
+            }
         });
     }
     let deviation = total.sqrt().recip();
