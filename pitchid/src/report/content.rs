@@ -137,7 +137,7 @@ impl Content {
             version: env!("CARGO_PKG_VERSION"),
             recordings,
             model: model.map(|(name, _)| name.to_owned()),
-            verdict: verdict(answer.verdict),
+            verdict: verdict_of(answer),
             headline: headline(answer),
             tone: match answer.verdict {
                 Verdict::NoMismatch => "good",
@@ -184,6 +184,11 @@ pub fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
+/// The same of an answer: a disturbance alone is nothing that a model lacks.
+pub fn verdict_of(answer: &Answer) -> &'static str {
+    if answer.disturbance_alone() { "no mismatch but gusts" } else { verdict(answer.verdict) }
+}
+
 /// What was found, as one sentence.
 pub fn headline(answer: &Answer) -> String {
     let sentences: Vec<String> = answer.effects.iter().map(|e| sentence(&e.id)).collect();
@@ -192,6 +197,9 @@ pub fn headline(answer: &Answer) -> String {
         Verdict::NotExcited => "These data cannot tell".into(),
         Verdict::CheckData => "The data are to be put right first".into(),
         Verdict::Unlisted => "Something is missing that the catalogue does not list".into(),
+        Verdict::Named if answer.disturbance_alone() => {
+            format!("What answers to the input is all in the model; {}", sentences.join("; and "))
+        }
         Verdict::Named => capitalised(&sentences.join("; and ")),
         Verdict::Ambiguous => {
             let mut rivals: Vec<String> = Vec::new();

@@ -2,7 +2,7 @@
 
 use super::{heading, indented, paragraph, questions};
 use crate::format;
-use crate::report::content::{headline, probability, verdict};
+use crate::report::content::{headline, probability, verdict_of};
 use sysid::diagnosis::axes::AxesDiagnosis;
 use sysid::diagnosis::axis_words::of_axis;
 use sysid::diagnosis::shared::SharedTerm;
@@ -13,12 +13,8 @@ pub fn diagnoses(found: &AxesDiagnosis) -> String {
     let mut text = paragraph(&format!("SHARED BY THE AXES: {shared}"));
     for (axis, diagnosis) in &found.axes {
         let answer = &diagnosis.answer;
-        let title = format!(
-            "{}: {}: {}",
-            axis.to_uppercase(),
-            verdict(answer.verdict),
-            of_axis(&headline(answer), axis)
-        );
+        let title =
+            format!("{}: {}: {}", axis.to_uppercase(), verdict_of(answer), of_axis(&headline(answer), axis));
         text.push_str(&heading(&title));
         text.push_str(&indented(&answer.summary, "  ", "  "));
         text.push_str(&questions(&answer.questions));

@@ -59,6 +59,16 @@ pub struct Answer {
     pub notes: Vec<String>,
 }
 
+impl Answer {
+    /// Whether what it names is a disturbance and nothing else: no simulation could repeat that, and no model lacks it.
+    #[must_use]
+    pub fn disturbance_alone(&self) -> bool {
+        self.verdict == Verdict::Named
+            && !self.effects.is_empty()
+            && self.effects.iter().all(|effect| effect.locus == Locus::Environment)
+    }
+}
+
 /// The balance of the means.
 #[derive(Clone, Debug, Serialize)]
 pub struct BalanceAnswer {

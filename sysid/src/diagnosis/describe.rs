@@ -37,6 +37,14 @@ pub fn summary(answer: &Answer, objection: Option<Objection>) -> String {
             let figures = figures(answer, !answer.effects.is_empty());
             format!("Physics is missing, and {}: {figures}. {seen}{humble}", in_reason(objection))
         }
+        Verdict::Named if answer.disturbance_alone() => {
+            let found: Vec<String> = answer.effects.iter().map(in_a_phrase).collect();
+            format!(
+                "What answers to the input is all in the model, its parameters estimated again ({}); beside it {}.",
+                figures(answer, false),
+                found.join("; and ")
+            )
+        }
         Verdict::Named | Verdict::Ambiguous => {
             let found: Vec<String> = answer.effects.iter().map(in_a_phrase).collect();
             let missing =

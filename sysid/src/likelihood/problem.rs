@@ -8,7 +8,7 @@ use crate::catalogue::scaled_shape::carried;
 use crate::dataset::{Amplitudes, Dataset, Place, Run};
 use crate::likelihood::known_drives::KnownDrives;
 use crate::model::baseline::Baseline;
-use crate::model::effect::{Effect, Parameter, ResidualMoment, Scale};
+use crate::model::effect::{Effect, Locus, Parameter, ResidualMoment, Scale};
 use crate::model::file::ModelFile;
 use crate::model::noise::Disturbance;
 use crate::model::pitch::{Gains, Output, PitchModel, Point, Term};
@@ -162,10 +162,19 @@ impl<'a> Problem<'a> {
         let mut all = self.plant_coordinates();
         all.extend(self.baseline.terms.iter().flat_map(|term| self.known_coordinates(term)));
         all.extend(self.noise_coordinates());
-        for effect in effects {
-            all.extend(effect.parameters(&self.sizes).iter().map(coordinate_of));
+        for &effect in effects {
+            all.extend(effect.parameters(&self.sizes).iter().map(|p| self.coordinate_in(effect, p)));
         }
         all
+    }
+
+    /// The coordinate of a parameter of `effect`; what is of the command is in its unit.
+    fn coordinate_in(&self, effect: &dyn Effect, p: &Parameter) -> Coordinate {
+        let mut coordinate = coordinate_of(p);
+        if effect.about().locus == Locus::Actuator {
+            coordinate.unit = self.data.input_unit.in_place_of_rad(p.unit);
+        }
+        coordinate
     }
 
     /// Unknowns of an effect that the baseline has. A moment in time, a term without a name and the background are as the
@@ -175,7 +184,7 @@ impl<'a> Problem<'a> {
         let held = self.baseline.held.contains(&id) || find(id).is_none() || id == GustDisturbance.about().id;
         let parameters = term.effect.parameters(&self.sizes).into_iter().zip(&term.values).enumerate();
         let known = |(i, (p, &value)): (usize, (Parameter, &f64))| {
-            let mut coordinate = coordinate_of(&p);
+            let mut coordinate = self.coordinate_in(term.effect, &p);
             coordinate.name = format!("{id}.{}", p.name);
             coordinate.log &= value > 0.0;
             coordinate.bounds = if held || term.effect.moments().any(|moment| moment == i) {

@@ -87,6 +87,14 @@ impl InputUnit {
         }
     }
 
+    /// `unit`, that of a size of the command where it is in rad.
+    pub(crate) fn in_place_of_rad(self, unit: &str) -> String {
+        match (self, unit) {
+            (Self::Normalised, "1/rad") => "1".into(),
+            _ => unit.replace("rad", self.symbol()),
+        }
+    }
+
     /// The unit of ∂M/∂u; `unit` stands for a full command.
     #[must_use]
     pub fn gain_unit(self) -> &'static str {
@@ -194,5 +202,19 @@ impl Role {
     /// Commands and flags keep their value until the next sample; measured signals run straight between samples.
     pub(super) fn is_held(self) -> bool {
         self.is_command() || matches!(self, Self::ThetaRef | Self::Section | Self::Supervised)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::InputUnit;
+
+    #[test]
+    fn what_is_of_the_command_is_in_its_unit() {
+        let units = ["rad", "rad/s", "1/rad", "s"];
+        let of = |input: InputUnit| units.map(|unit| input.in_place_of_rad(unit));
+        assert_eq!(of(InputUnit::Rad), units.map(String::from));
+        assert_eq!(of(InputUnit::Volt), ["V", "V/s", "1/V", "s"].map(String::from));
+        assert_eq!(of(InputUnit::Normalised), ["1", "1/s", "1", "s"].map(String::from));
     }
 }
