@@ -239,19 +239,18 @@ fn stribeck_friction() {
     finds("stribeck_friction", &[("Mc", mc), ("Ms", ms), ("qs", qs)], &[], &mut concealed);
 }
 
-/// It is dry friction of the mean beside a constant moment, to the bit: both readings are told.
+/// It is dry friction of the mean beside a constant moment, to the bit: it is told as undecided between the two readings.
 #[test]
 fn asymmetric_friction() {
     let (up, down) = (0.1, 0.03);
     let mut concealed = Moment(|now: &Now| if now.q > 0.0 { -up } else { down } * sign(now.q).abs());
     let found = answer(flown(7, true, &mut concealed));
     println!("{:?} {}", found.verdict, found.summary);
-    assert_eq!((found.verdict, found.effects.len()), (Verdict::Ambiguous, 2), "{}", found.summary);
+    assert_eq!(found.verdict, Verdict::Ambiguous, "{}", found.summary);
     covers(&found, "coulomb_friction", &[("Mc", 0.5 * (up + down))]);
-    covers(&found, "trim_offset", &[("M0", 0.5 * (down - up))]);
-    for effect in &found.effects {
-        assert!(effect.alternatives.iter().any(|rival| rival.id == "asymmetric_friction"), "{}", effect.id);
-    }
+    let rivals = &found.effects[0].alternatives;
+    assert!(rivals.iter().any(|rival| rival.id == "asymmetric_friction"), "{}", found.summary);
+    assert!(found.summary.contains("trim_offset"), "{}", found.summary);
 }
 
 #[test]
