@@ -1,12 +1,11 @@
 //! The sampled pitch model: the grey-box plant with any number of effects, run as a simulation or as a predictor.
 //!
 //! Linear parts are propagated exactly (matrix exponential), effects by a midpoint rule over steps of at most 10 ms:
-//! each effect's moment is split into its linear part, which joins the state matrix, and a remainder. Dry friction comes last in a
-//! step: as much of it as stops the motion, and no more than there is (implicit in the sign: Moreau, 1988), rest where it falls
-//! within the step. A sign, however smoothed, overshoots rest at every step where friction is large against the inertia, and what a
-//! fit sees then is that trembling.
+//! each effect's moment is split into its linear part, which joins the state matrix, and a remainder.
+//! Dry friction comes last in a step (`dry_friction`).
 
 mod drive;
+mod dry_friction;
 mod part_of_a_term;
 mod placed;
 mod predictor;
@@ -22,6 +21,7 @@ use crate::model::effect::{Conditions, Effect};
 use crate::model::noise::Disturbance;
 use crate::model::plant::{GYRO, Plant, Q, Q_IMU, STATES, State, StateMatrix, THETA, THETA_IMU};
 use drive::set_beside;
+use dry_friction::rubs;
 use nalgebra::{RowSVector, SMatrix};
 use placed::{Placed, inertia_factor, later, limited, linear_part, placed};
 
@@ -150,7 +150,7 @@ impl<'a> PitchModel<'a> {
             ..Conditions::default()
         };
         let (rub, others): (Vec<&Term>, Vec<&Term>) =
-            terms.iter().partition(|term| term.effect.friction(&term.values, 0.0).is_some());
+            terms.iter().partition(|term| rubs(term.effect, &term.values));
         let (stiffness, damping) = linear_part(&others, &conditions);
         let mut continuous = plant.state_matrix(stiffness, damping, disturbance);
         let (mut rate, mut angle) = plant.measured();
@@ -183,9 +183,8 @@ impl<'a> PitchModel<'a> {
         let terms = placed(terms);
         let (within_sample, driving): (Vec<Placed<'_>>, Vec<Placed<'_>>) =
             terms.iter().cloned().partition(|term| term.effect.within_sample());
-        let rubs = |term: &Placed<'_>| term.effect.friction(term.values, 0.0).is_some();
         let (rubbing, within_sample): (Vec<Placed<'_>>, Vec<Placed<'_>>) =
-            within_sample.into_iter().partition(rubs);
+            within_sample.into_iter().partition(|term| rubs(term.effect, term.values));
         let at_the_end = Conditions { t: f64::MAX, ..conditions };
         let delay = plant.delay + later(&terms, &conditions);
         let delay_moves = later(&terms, &at_the_end) != later(&terms, &conditions);
@@ -372,36 +371,6 @@ impl<'a> PitchModel<'a> {
             effect.follow(values, own, mean(Q), mean(THETA), at);
             effect.sense(values, own, after[rate], after[angle], control / self.plant.inertia, at);
         }
-    }
-
-    /// Dry friction over a substep that begins at the rate `before` and would end at the rate `free` without it: its mean moment, and
-    /// the mean rate by which the angle moves less where the motion comes to rest on the way, at a share of the substep at which it
-    /// has fallen to zero evenly. From rest it goes on if more drives it than friction holds.
-    fn rubbed(&self, before: f64, free: f64, at: &Conditions) -> (f64, f64) {
-        let inertia = inertia_factor(&self.terms, at);
-        let lost = |rate: f64| {
-            let levels = self.rubbing.iter().filter_map(|term| term.effect.friction(term.values, rate));
-            self.per_moment[Q] * levels.sum::<f64>() / inertia
-        };
-        let slid = |rate: f64| free - lost(rate).copysign(before);
-        let mut end = slid(before);
-        let mut comes_to_rest = 0.0;
-        if before * end > 0.0 {
-            end = slid(0.5 * (before + end));
-        }
-        if before * end <= 0.0 {
-            let moved = if before == 0.0 { 0.0 } else { before / (before - end) };
-            let driven = free - before;
-            let gone_on = |rate: f64| {
-                (1.0 - moved) * (driven.abs() - lost(rate.copysign(driven))).max(0.0).copysign(driven)
-            };
-            end = gone_on(0.0);
-            if end != 0.0 {
-                end = gone_on(0.5 * end);
-            }
-            comes_to_rest = -0.5 * (before * (1.0 - moved) + end * moved);
-        }
-        ((end - free) / self.per_moment[Q], comes_to_rest)
     }
 
     /// `x` at the end of a substep with a `moment` and an addition to θ̇ during it.

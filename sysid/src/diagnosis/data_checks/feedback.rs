@@ -71,6 +71,8 @@ pub struct Loops {
     share: f64,
     /// Logged samples that were averaged into a row.
     averaged: usize,
+    /// Whether anything is new in the input of some section between its switches.
+    new_between: bool,
 }
 
 impl Loops {
@@ -108,7 +110,10 @@ impl Loops {
             loops.dwells.extend(dwells.iter().map(|dwells| (place.label.clone(), dwells.by_motion)));
             let e = &innovations[place.run][place.rows.clone()];
             let section = Section { u, e, supervised, step: run.step, averaged, dwells };
-            loops.tests.extend(section.test().map(|test| (place.label, test)));
+            if let Some((test, new_between)) = section.test() {
+                loops.new_between |= new_between;
+                loops.tests.push((place.label, test));
+            }
         }
         loops.share = entered as f64 / rows.max(1) as f64;
         loops
@@ -190,7 +195,7 @@ impl Loops {
         }
         let mut labels: Vec<String> = self.tests.iter().map(|(label, _)| called(label)).collect();
         labels.dedup();
-        if self.averaged > 1 && self.tests.iter().any(|(_, test)| test.new_between) {
+        if self.averaged > 1 && self.new_between {
             let words = format!(
                 "{} samples were averaged into one, and a controller that answers within them is not seen; over longer times the \
                  motion says nothing of later inputs (least p = {}){by_design}",
@@ -252,8 +257,6 @@ struct Test {
     /// Share of the variance of what is new in the input that the motion explains, beyond what chance gives.
     share: f64,
     kind: Kind,
-    /// Whether anything is new in the input between its switches.
-    new_between: bool,
 }
 
 /// What was asked.
@@ -284,8 +287,9 @@ impl Test {
 }
 
 impl Section<'_> {
-    /// Tests innovations against what is new in later inputs; `None` where too little is there to be tested.
-    fn test(&self) -> Option<Test> {
+    /// Tests innovations against what is new in later inputs, and says whether anything is new in it between its switches; `None`
+    /// where too little is there to be tested.
+    fn test(&self) -> Option<(Test, bool)> {
         let taps = ((MEMORY_S / self.step) as usize).clamp(2, MOST_TAPS).min(self.u.len() / 8);
         let all: Vec<bool> = (0..self.u.len()).map(|k| k >= taps && !self.supervised[k]).collect();
         let whole = whitened(self.u, taps, &all)?;
@@ -301,24 +305,18 @@ impl Section<'_> {
             (self.averaged == 1).then(|| sums(&[0], new, counts)).flatten()
         };
         let by_the_rest = self.dwells.as_ref().and_then(|dwells| dwells.by_the_rest.as_ref());
-        let new_between = between.is_some();
         let tests = [
             in_its_row(whole),
             sums(&near, whole.0, whole.1),
             sums(&far, whole.0, whole.1),
             between.and_then(|(new, counts)| in_its_row((new, counts))),
             between.and_then(|(new, counts)| sums(&near, new, counts)),
-            by_the_rest.map(|&Told { p_value, share }| Test {
-                p_value,
-                share,
-                kind: Kind::Dwell,
-                new_between,
-            }),
+            by_the_rest.map(|&Told { p_value, share }| Test { p_value, share, kind: Kind::Dwell }),
         ];
         let tests: Vec<Test> = tests.into_iter().flatten().collect();
         let odds = tests.len() as f64;
         let clearest = tests.into_iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
-        Some(Test { p_value: (odds * clearest.p_value).min(1.0), new_between, ..clearest })
+        Some((Test { p_value: (odds * clearest.p_value).min(1.0), ..clearest }, between.is_some()))
     }
 
     /// What is new in the input between its switches, and the rows that are no switches; `None` where nothing is.
@@ -364,7 +362,7 @@ impl Section<'_> {
             [0] => Kind::AtOnce,
             _ => Kind::Later(lags.last().map_or(0.0, |&last| last as f64 * self.step)),
         };
-        (fewest >= FEWEST).then_some(Test { p_value, share, kind, new_between: false })
+        (fewest >= FEWEST).then_some(Test { p_value, share, kind })
     }
 }
 
