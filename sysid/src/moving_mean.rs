@@ -1,22 +1,26 @@
 //! An input that was averaged to fewer rows, with what it does between them.
 //!
-//! The mean of a switching input over the time of a row goes up and down in ramps whose corners lie anywhere. Straight lines from
-//! row to row round them off: after every switch a rate computed from these is wrong for one row by up to an eighth of what it
-//! gains within a row, which a sensor with little noise shows.
+//! The mean of a switching input over a row changes anywhere between the rows' middles. A straight line from row to row rounds that
+//! off, and after every switch a rate computed from it is wrong for one row by up to an eighth of what it gains within a row, which
+//! a sensor with little noise shows.
 
 use core::ops::Range;
 
-/// The mean of an input over the time of a row, at every sample that it had before it was averaged:
+/// The mean of an input over the time of a row, at every sample that it had before it was averaged. The outputs are sampled, and a
+/// row's is their mean by the trapezoidal rule; linear dynamics lead to that mean from the same mean of the input, wherever between
+/// the samples that switches:
 ///
 /// ```text
-/// ū(t) = 1/(n h) ∫ u dt from t − n h/2 to t + n h/2,    n samples of h s in a row
+/// ū(t) = Σ_j w_j u(t + (j − n/2) h),    w_0 = w_n = 1/2n, w_j = 1/n,    n samples of h s in a row
 /// ```
 ///
-/// That of a held input goes in straight lines from sample to sample.
+/// That of a held input is held from sample to sample, that of an interpolated one goes in straight lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovingMean {
     /// n.
     per_row: usize,
+    /// Whether ū is held between its nodes.
+    held: bool,
     /// ū, the first at the first row.
     nodes: Vec<f64>,
     /// ∫ ū dt from the first node to each, in units of h.
@@ -28,39 +32,30 @@ impl MovingMean {
     #[must_use]
     pub fn new(u: &[f64], per_row: usize, held: bool) -> Self {
         let n = per_row as f64;
-        let whole = u.windows(per_row).map(|row| row.iter().sum::<f64>() / n);
-        let nodes: Vec<f64> = if held {
-            whole.collect()
-        } else {
-            let half_ends = |k: usize| 0.5 * (u[k + per_row] - u[k]) / n;
-            whole
-                .take(u.len().saturating_sub(per_row))
-                .enumerate()
-                .map(|(k, mean)| mean + half_ends(k))
-                .collect()
-        };
-        Self::of_nodes(nodes, per_row)
+        let mean = |u: &[f64]| (u.iter().sum::<f64>() - 0.5 * (u[0] + u[per_row])) / n;
+        Self::of_nodes(u.windows(per_row + 1).map(mean).collect(), per_row, held)
     }
 
-    fn of_nodes(nodes: Vec<f64>, per_row: usize) -> Self {
+    fn of_nodes(nodes: Vec<f64>, per_row: usize, held: bool) -> Self {
         let mut integral = vec![0.0; nodes.len()];
         for k in 1..nodes.len() {
-            integral[k] = integral[k - 1] + 0.5 * (nodes[k - 1] + nodes[k]);
+            let end = if held { nodes[k - 1] } else { nodes[k] };
+            integral[k] = integral[k - 1] + 0.5 * (nodes[k - 1] + end);
         }
-        Self { per_row, nodes, integral }
+        Self { per_row, held, nodes, integral }
     }
 
     /// The same of the rows `rows` alone.
     #[must_use]
     pub fn cut(&self, rows: Range<usize>) -> Self {
         let nodes = rows.start * self.per_row..(rows.end * self.per_row).min(self.nodes.len());
-        Self::of_nodes(self.nodes[nodes].to_vec(), self.per_row)
+        Self::of_nodes(self.nodes[nodes].to_vec(), self.per_row, self.held)
     }
 
     /// The same of an input that is less by `level`.
     #[must_use]
     pub fn less(&self, level: f64) -> Self {
-        Self::of_nodes(self.nodes.iter().map(|u| u - level).collect(), self.per_row)
+        Self::of_nodes(self.nodes.iter().map(|u| u - level).collect(), self.per_row, self.held)
     }
 
     /// ū at two places, and its mean between them. A place is a row, and a share of the time to the next; before the first node
@@ -82,7 +77,7 @@ impl MovingMean {
         }
         let k = (node as usize).min(last);
         let beyond = within.fract() + (node as usize - k) as f64;
-        let slope = if k < last { self.nodes[k + 1] - self.nodes[k] } else { 0.0 };
+        let slope = if self.held || k == last { 0.0 } else { self.nodes[k + 1] - self.nodes[k] };
         let value = self.nodes[k] + slope * beyond;
         (value, self.integral[k] + 0.5 * (self.nodes[k] + value) * beyond)
     }
@@ -98,9 +93,9 @@ mod tests {
         mean.nodes.iter().step_by(mean.per_row).copied().collect()
     }
 
-    /// ∫ of the held input from its start to `x` samples.
-    fn area(u: &[f64], x: f64) -> f64 {
-        u.iter().enumerate().map(|(k, u)| u * (x - k as f64).clamp(0.0, 1.0)).sum()
+    /// The held input `x` samples after its start.
+    fn at(u: &[f64], x: f64) -> f64 {
+        u[x as usize]
     }
 
     proptest! {
@@ -114,15 +109,16 @@ mod tests {
             let end = begin + length;
             let places = [(row, begin), (row + end.floor() as isize, end.fract())];
             let ([at_begin, _], between) = mean.between(places);
-            // the mean over the row whose middle lies there
+            // over the samples of the row whose middle lies there
             let direct = |place: f64| {
                 let from = (row as f64 + place) * n;
-                (area(&u, from + n) - area(&u, from)) / n
+                let ends = 0.5 * (at(&u, from) + at(&u, from + n));
+                (ends + (1..per_row).map(|j| at(&u, from + j as f64)).sum::<f64>()) / n
             };
             prop_assert!((at_begin - direct(begin)).abs() < 1e-12);
-            let steps = 4000;
+            let steps = 20_000;
             let sum: f64 = (0..steps).map(|i| direct(begin + length * (f64::from(i) + 0.5) / f64::from(steps))).sum();
-            prop_assert!((between - sum / f64::from(steps)).abs() < 1e-5);
+            prop_assert!((between - sum / f64::from(steps)).abs() < 5e-3);
         }
     }
 
@@ -130,7 +126,7 @@ mod tests {
     fn rows_are_the_means_and_a_part_is_the_same_where_it_lies() {
         let u: Vec<f64> = (0..40).map(|k| f64::from(k * k % 17)).collect();
         let mean = MovingMean::new(&u, 4, true);
-        assert_eq!(rows(&mean)[3], (u[12] + u[13] + u[14] + u[15]) / 4.0);
+        assert_eq!(rows(&mean)[3], (0.5 * u[12] + u[13] + u[14] + u[15] + 0.5 * u[16]) / 4.0);
         let part = mean.cut(3..7);
         assert_eq!(rows(&part), rows(&mean)[3..7]);
         let (there, here) = (mean.between([(4, 0.3), (5, 0.2)]), part.between([(1, 0.3), (2, 0.2)]));

@@ -55,10 +55,8 @@ impl Effect for MomentStep {
     /// more of either at half the length of the data.
     fn starts_from(&self, data: &Amplitudes, left: &ResidualMoment) -> Vec<Vec<f64>> {
         let mut starts = self.starts(data);
-        starts.extend(windows(left).map(|[mean, from, to]| vec![mean, from, to]));
-        for start in starts.iter_mut().skip(2).filter(|start| start[2] >= data.duration - data.step) {
-            start[2] = NEVER * data.duration;
-        }
+        let windows = windows(left).into_iter();
+        starts.extend(windows.map(|(mean, from, to)| vec![mean, from, to.unwrap_or(NEVER * data.duration)]));
         starts
     }
     fn begins_at(&self) -> Option<usize> {
@@ -78,29 +76,40 @@ impl Effect for MomentStep {
 }
 
 /// Mean moment against that outside, begin and end of two windows: the one that stands out most, and that of those which
-/// last to the end. The variance between means (Sen and Srivastava, Annals of Statistics 3, 1975) counts.
-fn windows(left: &ResidualMoment) -> impl Iterator<Item = [f64; 3]> {
-    let length = left.moment.len().div_ceil(PARTS).max(1);
-    let sums: Vec<f64> = left.moment.chunks_exact(length).map(|part| part.iter().sum()).collect();
-    let parts = sums.len();
+/// last to the end and have none. The variance between means (Sen and Srivastava, Annals of Statistics 3, 1975) counts, over
+/// whole parts at first; then the ends of the best are moved row by row, up to a part away.
+fn windows(left: &ResidualMoment) -> Vec<(f64, f64, Option<f64>)> {
+    let rows = left.moment.len();
+    let part = rows.div_ceil(PARTS).max(1);
     let mut up_to = vec![0.0];
-    up_to.extend(sums.iter().scan(0.0, |sum, part| {
-        *sum += part;
+    up_to.extend(left.moment.iter().scan(0.0, |sum, moment| {
+        *sum += moment;
         Some(*sum)
     }));
-    let time = |part: usize| left.start + left.step * (part * length) as f64;
-    let window = |(from, to): (usize, usize)| {
-        let inside = ((to - from) * length) as f64;
-        let outside = (parts * length) as f64 - inside;
+    let mean = |(from, to): (usize, usize)| {
+        let (inside, outside) = ((to - from) as f64, (rows - (to - from)) as f64);
         let sum = up_to[to] - up_to[from];
-        let mean = sum / inside - (up_to[parts] - sum) / outside;
-        (mean * mean * inside * outside, [mean, time(from), time(to)])
+        sum / inside - (up_to[rows] - sum) / outside
     };
-    let largest = |ends: std::ops::RangeInclusive<usize>| {
-        let all = ends.flat_map(|to| (1..to).map(move |from| (from, to)));
-        all.map(window).max_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
+    let between = |&(from, to): &(usize, usize)| {
+        let inside = (to - from) as f64;
+        mean((from, to)).powi(2) * inside * (rows as f64 - inside)
     };
-    largest(2..=parts.saturating_sub(1)).into_iter().chain(largest(parts..=parts))
+    let best = |ends: &mut dyn Iterator<Item = (usize, usize)>| {
+        ends.filter(|(from, to)| from < to && to - from < rows)
+            .max_by(|a, b| between(a).total_cmp(&between(b)))
+    };
+    let near = |row: usize| row.saturating_sub(part).max(1)..=(row + part).min(rows);
+    let parts = 1..rows.div_ceil(part);
+    let mut within = parts.clone().flat_map(|to| (1..to).map(move |from| (from * part, to * part)));
+    let mut to_end = parts.map(|from| (from * part, rows));
+    let found = [best(&mut within), best(&mut to_end)].into_iter().flatten();
+    let moved = found.filter_map(|(from, to)| {
+        let (from, to) = best(&mut near(from).map(|from| (from, to)))?;
+        if to == rows { Some((from, to)) } else { best(&mut near(to).map(|to| (from, to))) }
+    });
+    let time = |row: usize| left.start + left.step * row as f64;
+    moved.map(|(from, to)| (mean((from, to)), time(from), (to < rows).then(|| time(to)))).collect()
 }
 
 #[cfg(test)]
@@ -122,16 +131,16 @@ mod tests {
 
     #[test]
     fn a_window_is_seen_in_what_is_left_and_one_that_stays_as_well() {
-        let data = Amplitudes { moment: 0.3, step: 0.02, duration: 61.0, ..Amplitudes::default() };
-        let left = |to: f64| {
-            let moment =
-                (0..3000).map(|k| if (20.0..to).contains(&(0.02 * f64::from(k))) { 0.1 } else { 0.02 });
+        let data = Amplitudes { moment: 0.3, step: 0.02, duration: 61.74, ..Amplitudes::default() };
+        let left = |to: i32| {
+            let moment = (0..3037).map(|k| if (1000..to).contains(&k) { 0.1 } else { 0.02 });
+            // the last part is shorter than the others
             ResidualMoment { start: 1.0, step: 0.02, moment: moment.collect() }
         };
         let near =
             |start: &[f64], expected: [f64; 3]| start.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9);
-        assert!(near(&MomentStep.starts_from(&data, &left(30.0))[2], [0.08, 21.0, 31.0]));
-        assert!(near(&MomentStep.starts_from(&data, &left(99.0))[3], [0.08, 21.0, 91.5]));
+        assert!(near(&MomentStep.starts_from(&data, &left(1500))[2], [0.08, 21.0, 31.0]));
+        assert!(near(&MomentStep.starts_from(&data, &left(9999))[3], [0.08, 21.0, 92.61]));
         assert_eq!(MomentStep.starts_from(&data, &ResidualMoment::default()).len(), 2);
     }
 }

@@ -32,7 +32,7 @@ impl Dataset {
 impl Run {
     /// Whether the input keeps a value for `samples` or more in the mean. One that changes faster may answer the motion within a
     /// row, and is no cause of what it answers.
-    fn holds_longer_than(&self, samples: usize) -> bool {
+    pub(crate) fn holds_longer_than(&self, samples: usize) -> bool {
         let changes = self.u.windows(2).filter(|pair| pair[0] != pair[1]).count();
         changes * samples <= self.len()
     }

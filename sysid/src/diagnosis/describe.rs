@@ -99,7 +99,8 @@ fn off_in_model(answer: &Answer) -> String {
     for known in &answer.in_model {
         for (estimate, given) in known.parameters.iter().zip(&known.given) {
             let [low, high] = estimate.ci95;
-            if low <= *given && *given <= high || low == high {
+            let same_in_print = digits(estimate.value) == digits(*given);
+            if low <= *given && *given <= high || low == high || same_in_print {
                 continue;
             }
             let unit = if estimate.unit == "1" { String::new() } else { format!(" {}", estimate.unit) };

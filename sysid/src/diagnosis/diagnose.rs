@@ -189,10 +189,15 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     }
     let loops = Loops::new(recordings, &problem, extended);
     if data_checks::is_the_controller_alone(&problem, extended, &loops) {
-        let reason = "The data cannot tell: the loop is closed, and with the input first the motion still follows without any delay. That \
-                      is the controller's answer to the motion, not the craft's to the input: nothing else moves the input. Excite the axis, \
-                      or move its set-point."
-            .to_owned();
+        let remedy = if recordings.iter().any(|recording| recording.theta_ref.is_some()) {
+            "Log as fast as the controller runs, or excite the axis beside its set-point"
+        } else {
+            "Excite the axis, or move its set-point; and log as fast as the controller runs"
+        };
+        let reason = format!(
+            "The data cannot tell: the loop is closed, and with the input first the motion still follows without any delay. That is the \
+             controller's answer to the motion, not the craft's to the input, which moves too little by itself between two rows. {remedy}."
+        );
         checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));
         return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
     }

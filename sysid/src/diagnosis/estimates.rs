@@ -23,7 +23,9 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
         let origin = problem.data.origin();
         let beyond = effect.beyond_data(&values[own.clone()], &problem.sizes);
         if let Some(beyond) = beyond {
-            all[first + beyond].ci95 = coordinates[first + beyond].bounds;
+            let [low, high] = coordinates[first + beyond].bounds;
+            let ends = effect.ends_at() == Some(beyond);
+            all[first + beyond].ci95 = [if ends { problem.sizes.duration } else { low }, high];
         }
         for moment in effect.moments() {
             let Estimate { value, ci95, .. } = &mut all[first + moment];

@@ -11,6 +11,7 @@ use super::prior::{FURTHER_TERM, NAMED};
 use crate::catalogue::CATALOGUE;
 use crate::catalogue::roll_off::RollOff;
 use crate::catalogue::slow_moment::SlowMoment;
+use crate::dataset::Amplitudes;
 use crate::estimate::Estimate;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::{FINISH, Fit};
@@ -64,6 +65,16 @@ pub struct Gust {
     pub p_value: f64,
 }
 
+/// Whether a disturbance is a moment so slow that the data see no spectrum of it.
+pub fn is_drift(third: &Third, sizes: &Amplitudes) -> bool {
+    matches!(third, Third::Gust(gust) if gust.time_constant > slowest(sizes))
+}
+
+/// Time constant beyond which a slow moment is a drift, s.
+fn slowest(sizes: &Amplitudes) -> f64 {
+    LONGEST.min(LONGEST_SHARE * sizes.duration)
+}
+
 /// Whether the disturbance that `fit` found is a gust.
 ///
 /// A background that falls off with a third pole is the other explanation of what two poles leave: the gust must be better
@@ -88,7 +99,7 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     let own = fit.own_range(problem, fit.effects.len() - 1);
     let [relative, time] = [fit.minimum.values[own.start], fit.minimum.values[own.start + 1]];
     let sigma = relative * sensor_noise(problem, &fit)?;
-    let slow = (SHORTEST..LONGEST.min(LONGEST_SHARE * problem.sizes.duration)).contains(&time);
+    let slow = (SHORTEST..slowest(&problem.sizes)).contains(&time);
     if !slow || sigma < MILD * problem.sizes.moment {
         return None;
     }

@@ -3,6 +3,7 @@
 use super::adequacy::{Test, failing, tests};
 use super::answer::Verdict;
 use super::gust::{Gust, gust};
+use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
 use super::levels::{
     ADEQUACY, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, THE_INPUTS_OWN, WORTH_A_NAME,
@@ -33,7 +34,7 @@ pub struct Judgement<'p, 'd> {
     pub named: Vec<Finding>,
     /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those
     /// without which the motion is explained as well, facets of another, small ones beside a larger of their class, a moment at
-    /// a line of the input, what comes once and is soon over, what turns its sign with the rest left out, and all where the
+    /// a line of the input, a lag within a row of which the input is not known, what comes once and is soon over, what turns its sign with the rest left out, and all where the
     /// model neither explains the data nor predicts the motion.
     pub small: Vec<Finding>,
     /// The model with its named terms alone, fitted again, where there are others too.
@@ -139,12 +140,17 @@ impl<'p, 'd> Judgement<'p, 'd> {
             let lasts = at(finding.effect.ends_at()).zip(at(finding.effect.begins_at()));
             lasts.is_some_and(|(end, begin)| end - begin < BLOCK_S)
         };
+        let delay = problem.unpack(&fit.effects, &fit.minimum.values).plant.delay;
+        let of_the_hold = |finding: &Finding| {
+            values(finding).is_some_and(|p| is_of_the_hold(problem, finding.effect, p, delay))
+        };
         let is_small = |(i, finding): &(usize, Finding)| {
             let uncertain = finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len();
             *i > 0 && (uncertain || finding.share < WORTH_A_NAME || !clear(finding) || immaterial[*i])
                 || mends(*i, finding)
                 || accounted(finding)
                 || of_the_input(finding)
+                || of_the_hold(finding)
                 || is_event(finding)
         };
         let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);

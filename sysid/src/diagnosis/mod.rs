@@ -27,6 +27,7 @@ mod experiment;
 #[cfg(test)]
 mod fixture;
 mod gust;
+mod input_hold;
 mod input_line;
 mod judgement;
 pub mod left_over;

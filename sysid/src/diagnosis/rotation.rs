@@ -2,7 +2,8 @@
 //!
 //! Among the models already visited, each fitted again without the part by one Gauss–Newton step, the most probable on the
 //! rest is the one that is judged on the part (Stone, J. R. Stat. Soc. B 36, 1974). A term is as certain as the rotations
-//! that choose it (Meinshausen and Bühlmann, J. R. Stat. Soc. B 72, 2010).
+//! that choose it (Meinshausen and Bühlmann, J. R. Stat. Soc. B 72, 2010). When something set in is taken from the part in which
+//! it did.
 
 use super::levels::HORIZONS_S;
 use super::parts::Part;
@@ -10,7 +11,7 @@ use super::past_alone::vaf_of_the_past_alone;
 use super::posterior::{Finding, Selection};
 use crate::dataset::Place;
 use crate::likelihood::evidence::BLOCK_S;
-use crate::likelihood::fit::weights;
+use crate::likelihood::fit::{Fit, weights};
 use crate::likelihood::free_run::vaf_over;
 use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
@@ -237,11 +238,23 @@ fn turn(
     // is far from one, the physics by itself is near one.
     let own = visited.fit.minimum.values.clone();
     let step = |held: &dyn Fn(usize) -> bool| visited.information.without(index, &own, held);
-    let noise = problem.noise_range();
-    let tried = [step(&|_| false), step(&|i| noise.contains(&i)), own.clone()].into_iter().filter_map(at);
+    let (noise, moments) = (problem.noise_range(), moments(problem, &visited.fit));
+    let moment = |i: usize| moments.contains(&i);
+    let tried = [step(&moment), step(&|i| noise.contains(&i) || moment(i)), own.clone()];
+    let tried = tried.into_iter().filter_map(at);
     let (deviance, values, innovations) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let log_posterior = visited.log_posterior_with(problem, deviance, divisor);
     Some(Turned { values, innovations, log_posterior })
+}
+
+/// Places of the unknowns that are moments in time. No part but its own tells when something set in, and a step along what is not
+/// told leads anywhere: they stay where they are.
+fn moments(problem: &Problem<'_>, fit: &Fit) -> Vec<usize> {
+    let of_effect = |(i, effect): (usize, &&'static dyn Effect)| {
+        let first = fit.own_range(problem, i).start;
+        effect.moments().into_iter().map(move |place| first + place)
+    };
+    fit.effects.iter().enumerate().flat_map(of_effect).collect()
 }
 
 /// 2 ln likelihood that the second innovations gain over the first in the counted rows of `places`, block by block. Their

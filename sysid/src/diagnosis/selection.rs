@@ -26,6 +26,8 @@ use crate::model::effect::Effect;
 use crate::progress::{Progress, Step};
 use rayon::prelude::*;
 
+mod drift;
+
 /// Candidates from whose noise models the model before is fitted again: one that has not settled makes every candidate look
 /// good.
 const FITTED_AGAIN: usize = 3;
@@ -308,6 +310,7 @@ impl Search<'_, '_> {
                     self.rounds.push(round);
                 }
             }
+            self.visit_change_instead(current);
             let best = self.best_named(current);
             if best == current {
                 break;

@@ -2,9 +2,12 @@
 
 use super::clock::{Grid, counted};
 use super::columns::{InputUnit, Role};
+use super::plateaus::plateaus;
 use super::rate_and_angle::rate_and_angle;
 use super::table::{Signal, Table};
 use super::{Note, NoteKind};
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// Beyond half a turn and a little, a pitch angle in radians is not one (rad).
 const LARGEST_ANGLE: f64 = 3.2;
@@ -17,7 +20,7 @@ const COMPARED_OVER: f64 = 0.2;
 /// Correlation of ∫q dt with Δθ from which unit and sign are judged.
 const CORRELATED: f64 = 0.7;
 /// Degrees per radian.
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+const DEGREES: f64 = 180.0 / PI;
 /// Share of exact repetitions that is worth a word.
 const REPEATED: f64 = 0.02;
 
@@ -76,13 +79,19 @@ fn check_input(input: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
     }
 }
 
+/// Values too large for radians, but for a column that says degrees and was converted, and for what would be several turns in
+/// degrees as well.
 fn check_size(signal: Option<&Signal>, grid: &Grid, limit: f64, unit: &str, notes: &mut Vec<Note>) {
-    let Some(signal) = signal else { return };
+    let Some(signal) = signal.filter(|signal| signal.source.factor == 1.0) else { return };
     let used = grid.segments.iter().flat_map(|rows| &signal.values[rows.clone()]);
     let most = used.fold(0.0_f64, |most, v| v.abs().max(most));
-    if most > limit {
+    if most > limit && most <= DEGREES * limit {
+        let turns = match signal.source.role {
+            Role::Theta => format!(" ({:.1} turns)", most / TAU),
+            _ => String::new(),
+        };
         let text = format!(
-            "{} reaches {most:.4} {unit}, which looks like degrees; used as it is. If so: {}",
+            "{} reaches {most:.4} {unit}{turns}, which looks like degrees; used as it is. If so: {}",
             column(signal),
             signal.source.scaled_by(1.0 / DEGREES)
         );
@@ -90,32 +99,23 @@ fn check_size(signal: Option<&Signal>, grid: &Grid, limit: f64, unit: &str, note
     }
 }
 
-/// A signal clips where it sits at its extreme value in several runs, each longer than its ordinary runs.
+/// A signal clips where it is held at its extreme value in several runs, each longer than its ordinary runs.
 fn check_clipping(table: &Table, signal: &Signal, notes: &mut Vec<Note>) {
     let values = &signal.values;
     let ordinary = values.len().div_ceil(values.chunk_by(|a, b| a == b).count().max(1));
-    let shortest = 3 * ordinary;
     let (low, high) = extremes(values);
     for extreme in [low, high] {
-        let (mut runs, mut samples, mut start) = (0, 0, 0);
-        let mut span: Option<(usize, usize)> = None;
-        for run in values.chunk_by(|a, b| a == b) {
-            let rows = start..start + run.len();
-            start = rows.end;
-            if run[0] == extreme && run.len() >= shortest {
-                runs += 1;
-                samples += run.len();
-                span = Some((span.map_or(rows.start, |(first, _)| first), rows.end - 1));
-            }
-        }
-        let Some((first, last)) = span else { continue };
-        if runs >= 2 || samples >= 10 * ordinary {
+        let runs = plateaus(values, extreme, 3 * ordinary);
+        let samples: usize = runs.iter().map(Range::len).sum();
+        let (Some(first), Some(last)) = (runs.first(), runs.last()) else { continue };
+        if runs.len() >= 2 || samples >= 10 * ordinary {
             let text = format!(
                 "{} stays at its extreme value {extreme} for {samples} samples in {}: it clips, the motion beyond is not in the data",
                 column(signal),
-                counted(runs, "run")
+                counted(runs.len(), "run")
             );
-            notes.push(Note::over(NoteKind::Clipped, table.t[first], table.t[last], text));
+            let (from, to) = (table.t[first.start], table.t[last.end - 1]);
+            notes.push(Note::over(NoteKind::Clipped, from, to, text));
         }
     }
 }

@@ -2,10 +2,12 @@
 //!
 //! Step T: median m of the differences d of the time stamps, then T = Σd / Σround(d/m) over the differences that
 //! are no gap, so that stamps written with few digits do not drift against the grid. With K the count of steps from
-//! the start of a segment, the stamps lie at t_0 + K T + e; the stamps are snapped where |e| ≤ `SNAP`·T.
+//! the start of a segment, the stamps lie at t_0 + K T + e; the stamps are snapped where |e| ≤ `SNAP`·T, and where the
+//! [rows are even](super::even_rows) though the stamps are not.
 
 use std::ops::Range;
 
+use super::even_rows::{EvenRows, even_rows};
 use super::options::{InputHold, ReadOptions};
 use super::table::Table;
 use super::{Note, NoteKind};
@@ -68,12 +70,18 @@ pub(super) fn onto_grid(
     let step = refine_step(&table.t, median);
     note_gaps(table, &stretches, step, notes);
     let jitter = stretches.iter().map(|rows| jitter(&table.t[rows.clone()], step)).fold(0.0, f64::max);
-    if jitter > SNAP {
+    let even = if jitter > SNAP { even_rows(table, &stretches, median) } else { None };
+    let varying = jitter > SNAP && even.is_none();
+    let step = even.as_ref().map_or(step, |even| even.step);
+    if let Some(even) = even {
+        note_even(&even, notes);
+        table.t = even.t;
+    } else if varying {
         note_resampled(&table.t, &stretches, step, options.input_hold, notes);
     } else {
         snap(&mut table.t, &stretches, step, jitter, notes);
     }
-    let segments = resample(table, &stretches, step, jitter > SNAP, options.input_hold, notes);
+    let segments = resample(table, &stretches, step, varying, options.input_hold, notes);
     Ok(Grid { step, segments })
 }
 
@@ -216,6 +224,16 @@ fn snap(t: &mut [f64], stretches: &[Range<usize>], step: f64, jitter: f64, notes
         "time stamps jitter by up to {:.1} % of the step ({:.7} s): snapped to a uniform grid",
         100.0 * jitter,
         step
+    );
+    notes.push(Note::new(NoteKind::Snapped, text));
+}
+
+fn note_even(even: &EvenRows, notes: &mut Vec<Note>) {
+    let text = format!(
+        "the rows were sampled every {:.7} s and stamped up to {:.1} ms off: by their count the motion is smoother than by the stamps, \
+         which were put onto a uniform grid",
+        even.step,
+        1e3 * even.off
     );
     notes.push(Note::new(NoteKind::Snapped, text));
 }

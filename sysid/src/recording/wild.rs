@@ -18,6 +18,7 @@ use super::clock::counted;
 use super::columns::Role;
 use super::table::Table;
 use super::{Note, NoteKind};
+use crate::estimate::digits;
 use std::ops::Range;
 
 const HALF_WINDOW: usize = 7;
@@ -55,7 +56,7 @@ pub(super) fn bridge(table: &mut Table, notes: &mut Vec<Note>) {
                     Some(line) => format!("line {line}"),
                     None => format!("{:.3} s", table.t[row]),
                 };
-                format!("{place} ({})", signal.values[row])
+                format!("{place} ({})", digits(signal.values[row] / signal.source.factor))
             })
             .collect();
         let more = if count > LINES_TOLD { ", ..." } else { "" };

@@ -2,6 +2,7 @@
 
 use super::{DataCheck, Gravity, joined};
 use crate::estimate::digits;
+use crate::recording::plateaus::plateaus;
 use crate::recording::{NoteKind, Recording};
 use std::ops::Range;
 
@@ -74,17 +75,14 @@ fn clipped_input(recording: &Recording) -> Option<String> {
         let (low, high) = range(u);
         let steps = (changes as f64) < CHANGING * u.len() as f64 || takes_few_values(u);
         [low, high].into_iter().filter(move |_| !steps && low < high).filter_map(|level| {
-            let plateaus: Vec<usize> = u
-                .chunk_by(|a, b| a == b)
-                .filter(|run| run[0] == level && run.len() >= PLATEAU)
-                .map(<[f64]>::len)
-                .collect();
-            let (runs, samples) = (plateaus.len(), plateaus.iter().sum::<usize>());
-            (runs >= 2).then(|| {
+            let runs = plateaus(u, level, PLATEAU);
+            let samples: usize = runs.iter().map(Range::len).sum();
+            (runs.len() >= 2).then(|| {
                 format!(
-                    "{} stays at {} for {samples} samples in {runs} runs of section {}: the command was limited there",
+                    "{} stays at {} for {samples} samples in {} runs of section {}: the command was limited there",
                     recording.u_unit.column(),
                     digits(level),
+                    runs.len(),
                     section.label
                 )
             })

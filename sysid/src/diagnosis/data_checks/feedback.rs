@@ -14,7 +14,8 @@
 //! of a large w, and once more over all rows up to a second ahead, more coarsely; the clearest counts, its odds multiplied, the
 //! [dwells](super::dwells) of a switching input among them. A controller that is faster than the log answers in the row of the
 //! motion, before which no input can have acted that is new there: l = 0 is a test of its own, but where the rows are averages,
-//! in which the input acts. Where nothing is new between the switches, there is an excitation and nothing else; where
+//! in which the input acts. Outputs that were interpolated between uneven stamps hold what came up to a row later: there the inputs
+//! from two rows on count. Where nothing is new between the switches, there is an excitation and nothing else; where
 //! something is, averages rule nothing out. Dwells that follow the motion as far as the input made it, and no further, decide
 //! nothing.
 //!
@@ -29,7 +30,7 @@ use crate::likelihood::free_run::{simulate, starting_points};
 use crate::likelihood::problem::{Problem, Unpacked};
 use crate::model::pitch::Output;
 use crate::optim::least_squares::least_squares;
-use crate::recording::{Recording, WHOLE};
+use crate::recording::{NoteKind, Recording, WHOLE};
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -109,7 +110,9 @@ impl Loops {
             let dwells = dwells(u, &motion, supervised, simulated.as_deref());
             loops.dwells.extend(dwells.iter().map(|dwells| (place.label.clone(), dwells.by_motion)));
             let e = &innovations[place.run][place.rows.clone()];
-            let section = Section { u, e, supervised, step: run.step, averaged, dwells };
+            let notes = recordings.get(run.recording).map_or(&[][..], |recording| &recording.notes);
+            let interpolated = notes.iter().any(|note| note.kind == NoteKind::Resampled);
+            let section = Section { u, e, supervised, step: run.step, averaged, interpolated, dwells };
             if let Some((test, new_between)) = section.test() {
                 loops.new_between |= new_between;
                 loops.tests.push((place.label, test));
@@ -248,6 +251,8 @@ struct Section<'a> {
     supervised: &'a [bool],
     step: f64,
     averaged: usize,
+    /// Whether the outputs were interpolated between the stamps.
+    interpolated: bool,
     dwells: Option<Dwells>,
 }
 
@@ -302,7 +307,7 @@ impl Section<'_> {
         let between = self.between_switches(taps, whole.clone(), &all);
         let (between, whole) = (between.as_ref(), (&whole, &all));
         let in_its_row = |(new, counts): (&Vec<f64>, &Vec<bool>)| {
-            (self.averaged == 1).then(|| sums(&[0], new, counts)).flatten()
+            (self.averaged == 1 && !self.interpolated).then(|| sums(&[0], new, counts)).flatten()
         };
         let by_the_rest = self.dwells.as_ref().and_then(|dwells| dwells.by_the_rest.as_ref());
         let tests = [
@@ -333,7 +338,7 @@ impl Section<'_> {
     /// The lags of inputs up to `reach` s later.
     fn later(&self, reach: f64) -> Vec<usize> {
         let last = ((reach / self.step).round() as usize).max(3);
-        (1..=last).step_by(last.div_ceil(MOST_LATER)).collect()
+        (if self.interpolated { 2 } else { 1 }..=last).step_by(last.div_ceil(MOST_LATER)).collect()
     }
 
     /// Of innovations and what is new in the input `lags` rows later.
