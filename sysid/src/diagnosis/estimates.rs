@@ -109,7 +109,8 @@ mod tests {
             let profile = change_point::interval(problem, fit, first + 1, divisor);
             assert_eq!(begin.ci95, profile.map(|moment| moment + 100.0));
             // It does not go within the data, so anything beyond these is as good.
-            assert_eq!(end.ci95, coordinates[first + 2].bounds.map(|bound| bound + 100.0));
+            let upper = coordinates[first + 2].bounds[1];
+            assert_eq!(end.ci95, [problem.sizes.duration, upper].map(|end| end + 100.0));
             let (mut late, mut alone) = (all.clone(), fit.clone());
             alone.minimum.values[first + 1] += 1e3;
             reach(problem, &mut late, fit, &alone);

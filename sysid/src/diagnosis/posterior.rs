@@ -36,15 +36,14 @@ pub struct Finding {
     pub probability: f64,
     /// Named candidates in its place that the data cannot rule out: effect, probability, and the model with it.
     pub rivals: Vec<(&'static dyn Effect, f64, usize)>,
-    /// Gain of the log posterior by the term: with it against without it, or, where that model was not visited, against the
-    /// most probable without it. Finite.
+    /// Gain of the log posterior by the term: with it against without it. Finite.
     pub log_evidence: f64,
     /// Odds of so large a gain in likelihood by chance (χ², the likelihood ratio divided by κ).
     pub p_value: f64,
     /// Share of what can be closed that is lost without the term: of the gain in evidence of the fullest model over the baseline,
     /// or, for a name that is judged, of the motion 1 s ahead, whichever is more.
     pub share: f64,
-    /// The model without it.
+    /// The model without it; where that has no finite likelihood, the most probable with some of the other terms.
     pub without: Option<usize>,
 }
 
@@ -160,20 +159,19 @@ impl Selection {
         let weight = |v: &Visited| if counts(&v) { (value(v) - top).exp() } else { 0.0 };
         let total: f64 = self.visited.iter().map(weight).sum();
         let probability = self.visited.iter().filter(|v| has(v)).map(weight).sum::<f64>() / total;
-        let is_rest = |v: &Visited| {
-            v.fit.effects.len() + 1 == model.fit.effects.len()
-                && v.fit
-                    .effects
-                    .iter()
-                    .all(|e| e.about().id != effect.about().id && model.fit.position(e.about().id).is_some())
-        };
-        let without = self.visited.iter().position(is_rest);
+        let of_the_rest =
+            |v: &Visited| !has(v) && v.fit.effects.iter().all(|e| model.fit.position(e.about().id).is_some());
         // That another term of the rest is none does not speak for this one.
         let any = |v: &Visited| v.log_posterior_of_any(problem, v.fit.criterion(), divisor);
-        let best_without =
-            || self.visited.iter().filter(|v| !has(v)).map(any).fold(f64::NEG_INFINITY, f64::max);
-        let gain = any(model) - without.map_or_else(best_without, |w| any(&self.visited[w]));
+        // All the rest; where that has no finite likelihood, the most probable part of it.
+        let size = |i: usize| self.visited[i].fit.effects.len();
+        let without = (0..self.visited.len()).filter(|&i| of_the_rest(&self.visited[i])).max_by(|&a, &b| {
+            let all = |i: usize| size(i) + 1 == model.fit.effects.len();
+            all(a).cmp(&all(b)).then(any(&self.visited[a]).total_cmp(&any(&self.visited[b])))
+        });
+        let gain = without.map_or(0.0, |w| any(model) - any(&self.visited[w]));
         let ratio = without.map_or(0.0, |w| self.visited[w].fit.criterion() - model.fit.criterion());
+        let further = |w: usize| model.fit.minimum.values.len() - self.visited[w].fit.minimum.values.len();
         let whole = self.gain(problem, self.fullest);
         Finding {
             effect,
@@ -181,7 +179,7 @@ impl Selection {
             probability,
             rivals: self.rivals(problem, model, effect, |v| weight(v) / total),
             log_evidence: gain,
-            p_value: chance(ratio / divisor, own.len()),
+            p_value: chance(ratio / divisor, without.map_or(own.len(), further)),
             share: if whole > 0.0 { (gain / whole).clamp(0.0, 1.0) } else { 0.0 },
             without,
         }
