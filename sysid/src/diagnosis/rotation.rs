@@ -252,7 +252,7 @@ fn turn(
 fn moments(problem: &Problem<'_>, fit: &Fit) -> Vec<usize> {
     let of_effect = |(i, effect): (usize, &&'static dyn Effect)| {
         let first = fit.own_range(problem, i).start;
-        effect.moments().into_iter().map(move |place| first + place)
+        effect.moments().map(move |place| first + place)
     };
     fit.effects.iter().enumerate().flat_map(of_effect).collect()
 }

@@ -102,6 +102,11 @@ mod tests {
 
     const STEP: f64 = 0.01;
 
+    /// All rows as one stretch.
+    fn whole() -> Vec<Range<usize>> {
+        std::iter::once(0..1999).collect()
+    }
+
     /// A rate of 1.3 Hz at `times`, with noise, stamped `stamps`.
     fn table(times: &[f64], stamps: Vec<f64>) -> Table {
         let mut noise = noise(7);
@@ -128,7 +133,7 @@ mod tests {
     fn late_stamps_of_even_rows_give_way_to_the_count_with_missing_rows_left_out() {
         let (even, late) = rows();
         let stamps: Vec<f64> = even.iter().zip(&late).map(|(t, late)| t + late).collect();
-        let found = even_rows(&table(&even, stamps), &[0..1999], STEP).unwrap();
+        let found = even_rows(&table(&even, stamps), &whole(), STEP).unwrap();
         assert!((found.step - STEP).abs() < 1e-6, "{}", found.step);
         assert!((found.t[500] - found.t[499] - 2.0 * STEP).abs() < 1e-5);
         assert!((found.off - 0.007).abs() < 0.001, "{}", found.off);
@@ -138,8 +143,8 @@ mod tests {
     fn rows_that_were_read_at_uneven_times_keep_their_stamps() {
         let (even, late) = rows();
         let read: Vec<f64> = even.iter().zip(&late).map(|(t, late)| t + late).collect();
-        assert!(even_rows(&table(&read, read.clone()), &[0..1999], STEP).is_none());
+        assert!(even_rows(&table(&read, read.clone()), &whole(), STEP).is_none());
         // at rest the two cannot be told apart
-        assert!(even_rows(&table(&vec![0.0; 1999], read), &[0..1999], STEP).is_none());
+        assert!(even_rows(&table(&vec![0.0; 1999], read), &whole(), STEP).is_none());
     }
 }
