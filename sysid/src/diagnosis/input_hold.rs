@@ -15,8 +15,7 @@ pub fn is_of_the_hold(problem: &Problem<'_>, effect: &dyn Effect, p: &[f64], del
     if effect.class() != Some(Class::Phase) {
         return false;
     }
-    let half_a_sample = 0.5 * problem.sizes.step / problem.data.thinned as f64;
-    if problem.baseline.delay_free && delay < -half_a_sample {
+    if problem.baseline.delay_free && delay < -half_a_sample(problem) {
         return true;
     }
     let known = |run: &Run| run.between.is_some() || run.holds_longer_than(STEPS);
@@ -26,6 +25,11 @@ pub fn is_of_the_hold(problem: &Problem<'_>, effect: &dyn Effect, p: &[f64], del
     let parameters = effect.parameters(&problem.sizes);
     let mut times = parameters.iter().zip(p).filter(|(parameter, _)| parameter.unit == "s").peekable();
     times.peek().is_some() && times.all(|(_, time)| time.abs() < 0.5 * problem.sizes.step)
+}
+
+/// Half of a step of the log, s: what stands between an input that is held and one that is straight.
+pub fn half_a_sample(problem: &Problem<'_>) -> f64 {
+    0.5 * problem.sizes.step / problem.data.thinned as f64
 }
 
 #[cfg(test)]

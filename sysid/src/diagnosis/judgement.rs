@@ -32,10 +32,10 @@ pub struct Judgement<'p, 'd> {
     pub place: usize,
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
-    /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those
-    /// without which the motion is explained as well, facets of another, small ones beside a larger of their class, a moment at
-    /// a line of the input, a lag within a row of which the input is not known, what comes once and is soon over, what turns its sign with the rest left out, and all where the
-    /// model neither explains the data nor predicts the motion.
+    /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those without
+    /// which the motion is explained as well, facets of another, small ones beside a larger of their class, a moment at a
+    /// line of the input, a lag within a row of which the input is not known, what comes once and is soon over, what turns
+    /// its sign with the rest left out, and all where the model neither explains the data nor predicts the motion.
     pub small: Vec<Finding>,
     /// The model with its named terms alone, fitted again, where there are others too.
     pub names_alone: Option<Fit>,

@@ -167,7 +167,7 @@ impl Selection {
         let size = |i: usize| self.visited[i].fit.effects.len();
         let without = (0..self.visited.len()).filter(|&i| of_the_rest(&self.visited[i])).max_by(|&a, &b| {
             let all = |i: usize| size(i) + 1 == model.fit.effects.len();
-            all(a).cmp(&all(b)).then(any(&self.visited[a]).total_cmp(&any(&self.visited[b])))
+            all(a).cmp(&all(b)).then_with(|| any(&self.visited[a]).total_cmp(&any(&self.visited[b])))
         });
         let gain = without.map_or(0.0, |w| any(model) - any(&self.visited[w]));
         let ratio = without.map_or(0.0, |w| self.visited[w].fit.criterion() - model.fit.criterion());

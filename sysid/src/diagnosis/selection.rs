@@ -243,6 +243,14 @@ impl Search<'_, '_> {
         Round { before, after }
     }
 
+    /// A round on top of `before`, unless there was one.
+    fn once_more(&mut self, before: usize, candidates: &[&'static dyn Effect]) {
+        if !self.rounds.iter().any(|round| round.before == before) {
+            let round = self.one_more(before, candidates);
+            self.rounds.push(round);
+        }
+    }
+
     /// Candidates that came near in some round, those of a class with one of them, and those that one of them
     /// is a special case of, or that are one of it.
     fn near(&self) -> Vec<&'static dyn Effect> {
@@ -298,17 +306,11 @@ impl Search<'_, '_> {
     fn exchange(&mut self, mut current: usize) -> usize {
         for _ in 0..MOST_EXCHANGES {
             for rest in self.visit_without(current) {
-                if !self.rounds.iter().any(|round| round.before == rest) {
-                    let round = self.one_more(rest, &self.near());
-                    self.rounds.push(round);
-                }
+                self.once_more(rest, &self.near());
             }
             // What a general term says may be its special case and another one.
             for simpler in self.visit_instead(current, |general, e| general.generalises(e)) {
-                if !self.rounds.iter().any(|round| round.before == simpler) {
-                    let round = self.one_more(simpler, &self.candidates.named.clone());
-                    self.rounds.push(round);
-                }
+                self.once_more(simpler, &self.candidates.named.clone());
             }
             self.visit_change_instead(current);
             let best = self.best_named(current);

@@ -23,26 +23,39 @@ pub(crate) fn plateaus(values: &[f64], level: f64, shortest: usize) -> Vec<Range
         start += run.len();
         (run[0], start - run.len()..start)
     });
-    runs.filter(|(value, rows)| *value == level && rows.len() >= shortest && at_speed(values, rows))
-        .map(|(_, rows)| rows)
-        .collect()
+    let long = runs.filter(|(value, rows)| *value == level && rows.len() >= shortest);
+    let mut long = long.map(|(_, rows)| rows).peekable();
+    if long.peek().is_none() {
+        return Vec::new();
+    }
+    let rounding = ROUNDED * smallest_step(values);
+    let least: Vec<f64> = (1..=MOST_ROWS).map(|w| rounding.max(AT_SPEED * usual(values, w))).collect();
+    long.filter(|rows| {
+        let over = (rows.len() / 2).clamp(1, MOST_ROWS);
+        at_speed(values, rows, over, least[over - 1])
+    })
+    .collect()
 }
 
-/// An end of the signal cannot be judged, and is given the benefit of the other one.
-fn at_speed(values: &[f64], rows: &Range<usize>) -> bool {
-    let over = (rows.len() / 2).clamp(1, MOST_ROWS);
-    if values.len() <= over {
-        return false;
-    }
-    let moved = |pair: &[f64]| pair[over] - pair[0];
-    let squares: f64 = values.windows(over + 1).map(|w| moved(w) * moved(w)).sum();
-    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0);
-    let smallest = steps.fold(f64::INFINITY, f64::min);
-    let usual = (squares / (values.len() - over) as f64).sqrt();
+/// Whether a signal moves by `least` in the `over` rows before and after. An end of it cannot be judged, and is given the benefit of
+/// the other one.
+fn at_speed(values: &[f64], rows: &Range<usize>, over: usize, least: f64) -> bool {
     let before = rows.start.checked_sub(over).map(|first| (values[rows.start] - values[first]).abs());
     let after = values.get(rows.end - 1 + over).map(|last| (last - values[rows.start]).abs());
     let mut ends = before.into_iter().chain(after).peekable();
-    ends.peek().is_some() && ends.all(|moved| moved >= AT_SPEED * usual && moved >= ROUNDED * smallest)
+    ends.peek().is_some() && ends.all(|moved| moved >= least)
+}
+
+/// Root mean square of what a signal moves in `over` rows.
+fn usual(values: &[f64], over: usize) -> f64 {
+    let squares: f64 = values.windows(over + 1).map(|w| (w[over] - w[0]).powi(2)).sum();
+    (squares / values.len().saturating_sub(over).max(1) as f64).sqrt()
+}
+
+/// The smallest change from one value to the next; infinite where there is none.
+pub(super) fn smallest_step(values: &[f64]) -> f64 {
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    steps.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

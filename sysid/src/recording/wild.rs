@@ -16,6 +16,7 @@
 
 use super::clock::counted;
 use super::columns::Role;
+use super::plateaus::smallest_step;
 use super::table::Table;
 use super::{Note, NoteKind};
 use crate::estimate::digits;
@@ -103,8 +104,7 @@ fn wild_rows(values: &[f64]) -> Vec<Range<usize>> {
         .collect();
     let away = |k: usize| (values[k] - local[k].0).abs();
     let usual = median(&mut (0..values.len()).map(away).collect::<Vec<f64>>());
-    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let resolution = steps.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let resolution = smallest_step(values);
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let deviation = (values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n).sqrt();

@@ -7,6 +7,7 @@ use super::{DataCheck, Gravity};
 use crate::dataset::Dataset;
 use crate::diagnosis::describe::in_words;
 use crate::diagnosis::estimates::estimates_of;
+use crate::diagnosis::input_hold::half_a_sample;
 use crate::estimate::digits;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
@@ -33,10 +34,9 @@ pub fn delay(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
     let model = problem.baseline.plant.delay;
     if problem.baseline.delay_free {
         let found = estimates_of(problem, fit).into_iter().find(|e| e.name == DELAY);
-        // Held or straight between the samples of the log: half of one stands between the two, and no stamp need be off.
-        let half_a_sample = 0.5 * problem.sizes.step / problem.data.thinned as f64;
+        // Within half a sample no stamp need be off.
         return match found {
-            Some(found) if found.ci95[1] < -half_a_sample => DataCheck::found(
+            Some(found) if found.ci95[1] < -half_a_sample(problem) => DataCheck::found(
                 DELAY,
                 Gravity::Told,
                 format!(

@@ -14,9 +14,6 @@ impl Search<'_, '_> {
         });
         let rest = drift.and_then(|i| without(self.problem, fit, i));
         let Some(rest) = rest.and_then(|rest| self.visit(rest)) else { return };
-        if !self.rounds.iter().any(|round| round.before == rest) {
-            let round = self.one_more(rest, &self.candidates.acting_from_a_moment());
-            self.rounds.push(round);
-        }
+        self.once_more(rest, &self.candidates.acting_from_a_moment());
     }
 }
