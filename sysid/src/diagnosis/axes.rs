@@ -119,3 +119,6 @@ fn with(model: Option<&ModelFile>, term: &SharedTerm) -> ModelFile {
     }
     model
 }
+
+#[cfg(test)]
+mod tests;

@@ -48,6 +48,20 @@ pub fn flown_by(seed: u64, u: Vec<f64>, moment: impl Fn(usize, f64, f64) -> f64)
     flown
 }
 
+/// The test flight by an actuator that follows its command with a lag, s.
+pub fn lagging(seed: u64, lag: f64) -> Flight {
+    let Flight { u, .. } = flight(seed, 0.0);
+    let passed = -(-STEP / lag).exp_m1();
+    let mut followed = vec![0.0; u.len()];
+    for k in 1..u.len() {
+        followed[k] = followed[k - 1] + passed * (u[k - 1] - followed[k - 1]);
+    }
+    // over a step it acts with its mean
+    let mean = |k: usize| u[k] + (followed[k] - u[k]) * passed * lag / STEP;
+    let missing: Vec<f64> = (0..u.len()).map(|k| mean(k) - u[k]).collect();
+    flown_by(seed, u, |k, _, _| if k >= 3 { GAIN * missing[k - 3] } else { 0.0 })
+}
+
 /// Fits the right plant without the further moment, and hands problem and fit to `ask`.
 pub fn asked<T>(flight: &Flight, ask: impl FnOnce(&Problem<'_>, &Fit) -> T) -> T {
     fitted(&flight.recording(), &model(GAIN, DELAY), |_, problem, fit| ask(problem, fit))

@@ -85,4 +85,15 @@ mod tests {
         assert_eq!((closed(Some(90.0), Some(97.5)), closed(Some(90.0), Some(80.0))), (0.75, 0.0));
         assert_eq!((closed(None, Some(97.5)), closed(Some(100.0), Some(100.0))), (0.0, 0.0));
     }
+
+    #[test]
+    fn a_name_at_a_limit_is_told() {
+        let [friction, lag] = ["coulomb_friction", "gyro_lag"].map(|id| find(id).unwrap());
+        assert!(!is_immaterial(friction, LAST_THOUSANDTH, 0.0), "a thousandth of the motion");
+        let rest = 1.0 - LAST_THOUSANDTH;
+        assert!(!is_immaterial(lag, rest + 1e-4, rest), "a thousandth is left without it");
+        let of_error = f64::exp2(-11.0);
+        assert!(!is_immaterial(friction, 1.0 - HALVED * of_error, 1.0 - of_error), "half of the error");
+        assert!(is_immaterial(friction, 1.0 - 0.75 * of_error, 1.0 - of_error));
+    }
 }

@@ -86,6 +86,23 @@ pub fn read(text: &str) -> Recording {
     parse("flight.csv", text.as_bytes(), &ReadOptions::default()).unwrap()
 }
 
+/// A vehicle that turbulence shakes and a controller holds, which answers to the rate within the row and follows a small
+/// reference; the rate alone is logged.
+pub fn held_in_the_air(seed: u64) -> Recording {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let (mut rate, mut moment) = (0.0, 0.0);
+    let mut text = String::from("t_s,u_rad,q_rad_s,section\n");
+    for k in 0..2000 {
+        let measured = rate + 0.002 * normal(&mut random);
+        let reference = if (k / 150) % 2 == 0 { 0.01 } else { -0.01 };
+        let u = -0.1 * (measured - reference) + 0.0005 * normal(&mut random);
+        text.push_str(&format!("{:.2},{u:.6},{measured:.6},closed\n", 0.02 * f64::from(k)));
+        moment = 0.95 * moment + 0.1 * normal(&mut random);
+        rate += 0.02 * (GAIN * u + moment) / 0.17;
+    }
+    read(&text)
+}
+
 /// The user's model, right but for what a test changes.
 pub fn model(dm_du: f64, delay: f64) -> ModelFile {
     let plant = PlantSection {

@@ -92,6 +92,13 @@ fn figures_held_out_are_means_over_the_parts() {
         let [longest, free] = [by_hand(|s| s.horizons.last().unwrap().0), by_hand(|s| s.free_run)];
         assert!(longest > 50.0 && free > 5.0 && longest != free, "{longest} {free}");
         assert_eq!((ahead(&judgement.rotation), free_run(&judgement.rotation)), (longest, free));
+        let nearest = parts.iter().map(|part| {
+            let (vaf, error) = part.extended.horizons[0];
+            [part.past_alone, vaf, error]
+        });
+        let own = the_inputs_own(&judgement.rotation);
+        assert_eq!(own, beyond_the_past(nearest));
+        assert!(own > 0.1 && own < 0.9, "{own}");
     });
 }
 
@@ -112,10 +119,10 @@ fn names_are_fitted_again_without_what_is_left_where_something_is() {
 fn a_name_turns_about_where_its_sign_may_be_either_and_is_the_other_one_alone() {
     let place = |problem: &Problem<'_>, fit: &Fit, id: &str| fit.range_of(problem, id).unwrap().start;
     asked(&flight_with(1, |_, _, theta| -theta.sin()), |problem, baseline| {
-        let [moment, lag, drag] =
-            [&effects(&["trim_offset"])[0], &effects(&["servo_lag"])[0], &effects(&["quadratic_drag"])[0]];
-        let mut fit = extended(problem, baseline, &[*moment, *lag]);
-        let mut alone = extended(problem, baseline, &[*lag, *moment]);
+        let all = effects(&["trim_offset", "servo_lag", "quadratic_drag", "coulomb_friction"]);
+        let [moment, lag, drag, friction] = [0, 1, 2, 3].map(|i| &all[i]);
+        let mut fit = extended(problem, baseline, &[*moment, *lag, *drag]);
+        let mut alone = extended(problem, baseline, &[*drag, *lag, *moment]);
         let mut turns = |id: &str, values: [f64; 2], effect: &dyn Effect| {
             let (own, other) = (place(problem, &fit, id), place(problem, &alone, id));
             (fit.minimum.values[own], alone.minimum.values[other]) = (values[0], values[1]);
@@ -124,7 +131,9 @@ fn a_name_turns_about_where_its_sign_may_be_either_and_is_the_other_one_alone() 
         assert!(turns("trim_offset", [0.1, -0.05], *moment) && turns("trim_offset", [-0.1, 0.05], *moment));
         assert!(!turns("trim_offset", [0.1, 0.05], *moment) && !turns("trim_offset", [-0.1, -0.05], *moment));
         assert!(!turns("trim_offset", [0.1, 0.0], *moment), "none is no other sign");
+        assert!(!turns("trim_offset", [-0.1, 0.0], *moment), "nor of what pulls the other way");
         assert!(!turns("servo_lag", [0.1, -0.1], *lag), "a time constant has one sign");
-        assert!(!turns("trim_offset", [0.1, -0.05], *drag), "what neither has");
+        assert!(!turns("quadratic_drag", [0.1, -0.1], *drag), "a drag begins at none");
+        assert!(!turns("trim_offset", [0.1, -0.05], *friction), "what neither has");
     });
 }

@@ -1,8 +1,12 @@
 //! Odds by hand, and models made by hand.
 
-use super::super::data_checks::fixture::flight;
-use super::super::fixture::{asked, effects, flight_with, selection};
+use super::super::another_zero::about_another_zero;
+use super::super::data_checks::fixture::{Flight, GAIN, fitted, flight, model, normal};
+use super::super::fixture::{asked, effects, extended, flight_with, lagging, selection};
 use super::*;
+use crate::catalogue::slow_moment::SlowMoment;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
 
 #[test]
 fn chance_is_that_of_chi_squared() {
@@ -95,4 +99,218 @@ fn a_model_tells_its_names_its_shapes_and_its_background_apart() {
         assert_eq!(model.own(problem), all.collect::<Vec<_>>());
         assert_eq!(model.divisor(problem), model.information.divisor(model.own(problem).into_iter()));
     });
+}
+
+/// A stiffness and a drag that change every few seconds: what the blocks say of them is uneven, and κ is more than one.
+fn uneven() -> Flight {
+    let now = |k: usize, every: usize| if k / every % 2 == 0 { 1.8 } else { 0.2 };
+    flight_with(1, move |k, q, theta| -now(k, 500) * theta.sin() - 0.3 * now(k, 100) * q * q.abs())
+}
+
+fn shape(id: &str) -> &'static dyn Effect {
+    *SHAPES.iter().find(|shape| shape.about().id == id).unwrap()
+}
+
+/// Gives the models priors with which the odds of each are these, calibrated by the κ of the term at `i` of the model at `place`.
+fn weighed(problem: &Problem<'_>, models: &mut Selection, [place, i]: [usize; 2], odds: &[f64]) {
+    let asked = &models.visited[place];
+    let divisor = asked.information.divisor(asked.fit.own_range(problem, i));
+    for (visited, odds) in models.visited.iter_mut().zip(odds) {
+        let value = visited.log_posterior(problem, divisor);
+        assert!(value.is_finite(), "{:?}", visited.fit.ids());
+        visited.log_prior += odds.ln() - value;
+    }
+}
+
+fn rivals(finding: &Finding) -> Vec<(&'static str, usize)> {
+    finding.rivals.iter().map(|(rival, _, place)| (rival.about().id, *place)).collect()
+}
+
+#[test]
+fn the_posterior_of_a_model_is_likelihood_prior_and_what_is_left_of_its_parameters_priors() {
+    let mut random = Pcg64::seed_from_u64(5);
+    let (mut slow, mut band) = (vec![0.0], vec![0.0, 0.0]);
+    for k in 0..2000 {
+        slow.push(0.99 * slow[k] + 0.1 * normal(&mut random));
+        band.push(1.815 * band[k + 1] - 0.9025 * band[k] + 0.06 * normal(&mut random));
+    }
+    let air = |k: usize| slow[k] + band[k];
+    asked(&flight_with(1, |k, _, theta| air(k) - 2.0 * theta.sin()), |problem, baseline| {
+        let set = vec![effects(&["gravity_stiffness"])[0], &SlowMoment as &'static dyn Effect];
+        let models = selection(problem, baseline, &[], &[set]);
+        let Visited { fit, information, log_prior } = &models.visited[1];
+        let occam = [0, 1].map(|i| information.occam(fit.own_range(problem, i), 1.5).unwrap());
+        assert!(occam.iter().all(|occam| *occam < -1.5), "{occam:?}");
+        let by_hand = -0.5 * 300.0 / 1.5 + occam[0] + occam[1] + log_prior;
+        let asked = models.visited[1].log_posterior_with(problem, 300.0, 1.5);
+        assert!((asked - by_hand).abs() < 1e-9, "{asked} {by_hand}");
+        let own = models.visited[1].log_posterior(problem, 1.5);
+        assert_eq!(own, models.visited[1].log_posterior_with(problem, fit.criterion(), 1.5));
+        assert_eq!(models.visited[1].own(problem), fit.own_range(problem, 0).collect::<Vec<_>>());
+        let findings = models.findings(problem, 1);
+        assert!(findings.len() == 1 && findings[0].named, "the background is no finding");
+    });
+}
+
+#[test]
+fn a_name_at_zero_is_no_term_and_a_shape_or_what_holds_a_craft_aside_is() {
+    let finite_without = |problem: &Problem<'_>, fit: &Fit| {
+        let information = Information::new(problem, fit, &[]).unwrap();
+        assert!(
+            Visited { fit: fit.clone(), information: information.clone(), log_prior: 0.0 }
+                .log_posterior(problem, 1.0)
+                .is_finite()
+        );
+        [0, 1].map(|i| {
+            let mut fit = fit.clone();
+            let own = fit.own_range(problem, i);
+            fit.minimum.values[own].fill(0.0);
+            let zeroed = Visited { fit, information: information.clone(), log_prior: 0.0 };
+            zeroed.log_posterior(problem, 1.0).is_finite()
+        })
+    };
+    asked(&flight_with(1, |_, q, theta| -2.0 * theta.sin() - 0.3 * q * q.abs()), |problem, baseline| {
+        let fit = extended(problem, baseline, &[effects(&["gravity_stiffness"])[0], shape("of_q")]);
+        assert_eq!(finite_without(problem, &fit), [false, true]);
+    });
+    let aside = flight_with(3, |_, _, theta| 1.2 * (0.35_f64.sin() - theta.sin()));
+    asked(&aside, |problem, baseline| {
+        let fit = &about_another_zero(problem, baseline)[0];
+        assert_eq!(fit.ids(), ["gravity_stiffness", "trim_offset"]);
+        assert_eq!(finite_without(problem, fit), [false, true]);
+    });
+}
+
+#[test]
+fn a_term_is_calibrated_by_its_own_blocks_and_told_by_what_the_whole_gains() {
+    asked(&uneven(), |problem, baseline| {
+        let both = effects(&["gravity_stiffness", "quadratic_drag"]);
+        let sets = [both[..1].to_vec(), both[1..].to_vec(), both];
+        let mut models = selection(problem, baseline, &[], &sets);
+        for (visited, log_prior) in models.visited.iter_mut().zip([0.0, 0.0, 0.0, 5.0]) {
+            visited.log_prior = log_prior;
+        }
+        let all = &models.visited[3];
+        let own = |i: usize| all.fit.own_range(problem, i);
+        let divisors = [0, 1].map(|i| all.information.divisor(own(i)));
+        let of_both = all.information.divisor(own(0).chain(own(1)));
+        assert!(divisors[0] > 1.1 && divisors[1] > 1.1 && of_both > 1.1, "{divisors:?} {of_both}");
+        assert_eq!(all.divisor(problem), of_both);
+        assert_eq!(all.divisor_beyond(problem, &models.visited[1].fit), divisors[1]);
+        assert_eq!(all.divisor_beyond(problem, &models.visited[2].fit), divisors[0]);
+        assert_eq!(all.divisor_beyond(problem, baseline), of_both);
+
+        let value = |models: &Selection, i: usize| models.visited[i].log_posterior(problem, of_both);
+        let whole = value(&models, 3) - value(&models, 0);
+        assert!(whole > 5.0 && (models.gain(problem, 3) - whole).abs() < 1e-9, "{whole}");
+        assert_eq!(models.gain(problem, 0), 0.0);
+
+        let criterion = |i: usize| models.visited[i].fit.criterion();
+        let found = finding(&models.findings(problem, 3), "quadratic_drag").clone();
+        let ratio = (criterion(1) - criterion(3)) / divisors[1];
+        let by_chance = chance(ratio, 1);
+        assert!(ratio > 1.0 && (found.p_value / chance(ratio, 1) - 1.0).abs() < 1e-9, "{ratio}");
+        let share = found.log_evidence / whole;
+        assert!((0.05..0.95).contains(&share) && (found.share - share).abs() < 1e-9, "{share}");
+
+        // the model without the term is all of the rest, though less of it be more probable
+        models.visited[0].log_prior += 1e4;
+        assert_eq!(finding(&models.findings(problem, 3), "quadratic_drag").without, Some(1));
+        models.visited[0].log_prior -= 1e4;
+        // where the whole gains nothing nobody has a share
+        models.fullest = models.baseline;
+        let found = finding(&models.findings(problem, 3), "quadratic_drag").clone();
+        assert!(found.log_evidence > 0.0 && found.share == 0.0, "{}", found.share);
+    });
+}
+
+#[test]
+fn a_name_is_weighed_among_the_models_with_the_same_shapes_and_a_shape_among_all() {
+    let flown = flight_with(1, |_, q, theta| -1.5 * theta.sin() * theta.abs() - 0.3 * q * q.abs());
+    asked(&flown, |problem, baseline| {
+        let drag = effects(&["quadratic_drag"])[0];
+        let sets = [vec![shape("of_theta")], vec![drag], vec![drag, shape("of_theta")]];
+        let mut models = selection(problem, baseline, &[], &sets);
+        for (i, id, probability) in [(0, "quadratic_drag", 4.0 / 6.0), (1, "of_theta", 6.0 / 9.0)] {
+            weighed(problem, &mut models, [3, i], &[2.0, 2.0, 1.0, 4.0]);
+            let findings = models.findings(problem, 3);
+            let found = finding(&findings, id);
+            assert!((found.probability - probability).abs() < 1e-6, "{id}: {}", found.probability);
+            assert_eq!(found.named, i == 0);
+        }
+    });
+}
+
+#[test]
+fn a_rival_is_a_name_in_the_terms_place_with_the_best_of_its_models() {
+    let flown = flight_with(1, |_, q, theta| -2.0 * theta.sin() - 0.3 * q * q.abs());
+    asked(&flown, |problem, baseline| {
+        let [stiff, drag, cubic] =
+            ["gravity_stiffness", "quadratic_drag", "cubic_stiffness"].map(|id| effects(&[id])[0]);
+        let sets = [
+            vec![stiff, drag],
+            vec![cubic],
+            vec![cubic, drag],
+            vec![cubic, shape("of_theta")],
+            vec![shape("of_theta"), drag],
+            vec![&SlowMoment, drag],
+            vec![shape("of_q"), drag],
+        ];
+        let mut models = selection(problem, baseline, &[], &sets);
+        let odds = |cubic: [f64; 2]| [1.0, 60.0, cubic[0], cubic[1], 9.0, 9.0, 9.0, 9.0];
+        for (odds, place) in [(odds([9.0, 8.0]), 2), (odds([8.0, 9.0]), 3)] {
+            weighed(problem, &mut models, [1, 0], &odds);
+            let findings = models.findings(problem, 1);
+            let found = finding(&findings, "gravity_stiffness");
+            assert_eq!(rivals(found), [("cubic_stiffness", place)]);
+            // those with a shape do not count
+            assert!((found.rivals[0].1 - 9.0 / 87.0).abs() < 1e-6, "{}", found.rivals[0].1);
+        }
+        weighed(problem, &mut models, [1, 0], &odds([1.0, 3.0]));
+        assert!(
+            rivals(finding(&models.findings(problem, 1), "gravity_stiffness")).is_empty(),
+            "four in a hundred"
+        );
+        weighed(problem, &mut models, [5, 0], &odds([1.0, 9.0]));
+        let findings = models.findings(problem, 5);
+        let names = rivals(finding(&findings, "of_theta"));
+        assert_eq!(names, [("gravity_stiffness", 1), ("cubic_stiffness", 3)], "a shape is no rival");
+    });
+}
+
+/// What the findings of a model with a lag of the actuator say of one of the gyro, and the odds that the two are one.
+fn lags(lag: f64, angle: bool, beside: &[&str]) -> (Vec<(&'static str, f64)>, [f64; 2]) {
+    let mut recording = lagging(1, lag).recording();
+    recording.theta = recording.theta.filter(|_| angle);
+    fitted(&recording, &model(GAIN, 0.06), |_, problem, baseline| {
+        let sets =
+            [effects(&["servo_lag"]), effects(&["gyro_lag"]), effects(&[&["servo_lag"], beside].concat())];
+        let mut models = selection(problem, baseline, &[], &sets);
+        models.visited[2].log_prior -= 30.0;
+        let [servo, gyro] = [1, 2].map(|i| &models.visited[i].fit);
+        let unpacked = [servo, gyro].map(|fit| problem.unpack(&fit.effects, &fit.minimum.values));
+        let [a, b] = &unpacked;
+        let ahead = indistinct_ahead(problem, [a, b], &problem.data.places(), LAG_HORIZON_S).unwrap();
+        let findings = models.findings(problem, if beside.is_empty() { 1 } else { 3 });
+        let rivals = finding(&findings, "servo_lag").rivals.iter();
+        (
+            rivals.map(|(rival, p, _)| (rival.about().id, *p)).collect(),
+            [indistinct(problem, servo, gyro), ahead],
+        )
+    })
+}
+
+#[test]
+fn lags_of_actuator_and_gyro_are_rivals_where_the_noise_or_without_an_angle_the_prediction_cannot_tell() {
+    let (rivals, [noise, ahead]) = lags(0.008, true, &[]);
+    assert!(
+        rivals.is_empty() && noise < 1e-3 && ahead > 2.0 * PLAUSIBLE,
+        "with an angle: {rivals:?} {ahead}"
+    );
+    let (rivals, [noise, ahead]) = lags(0.008, false, &[]);
+    assert!(noise > ahead && rivals == [("gyro_lag", noise)], "{rivals:?} {noise} {ahead}");
+    let (rivals, [noise, ahead]) = lags(0.03, false, &[]);
+    assert!(noise < ahead && rivals == [("gyro_lag", ahead)], "{rivals:?} {noise} {ahead}");
+    let (rivals, _) = lags(0.03, false, &["gravity_stiffness"]);
+    assert!(rivals.is_empty(), "one name in place of two: {rivals:?}");
 }
