@@ -11,7 +11,7 @@ use super::levels::{
 use super::materiality::{beyond_the_past, closed, is_immaterial, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
-use super::rotation::{Rotation, Scores, rotate};
+use super::rotation::{Rotation, Scores, TermGain, rotate};
 use super::verdict::Grounds;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::{Fit, refit};
@@ -110,12 +110,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen_in_kind)
         };
         let clear = |finding: &Finding| {
-            let held_out = rotation.gain(finding.effect.about().id).unwrap_or_default();
-            let (gain, error) = held_out.log_likelihood;
-            // What acts between two moments shows in few blocks: their spread says nothing of it.
-            finding.effect.ends_at().is_some()
-                || gain > HELD_OUT_ERRORS * error
-                || held_out.signed_rank > HELD_OUT_ERRORS
+            is_clear(finding.effect, &rotation.gain(finding.effect.about().id).unwrap_or_default())
         };
         let all: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
         let values = |finding: &Finding| {
@@ -129,29 +124,18 @@ impl<'p, 'd> Judgement<'p, 'd> {
             let f_hz = values(finding).and_then(|p| finding.effect.acts_at_frequency(p));
             f_hz.is_some_and(|f_hz| input_has_line(problem, f_hz))
         };
-        // What the data hardly tell from the first of its class, and what closes little beside it, mends the first's form.
-        let mends = |i: usize, finding: &Finding| {
-            let class = finding.effect.class();
-            class.is_some() && all[..i].iter().any(|e| e.class() == class) && finding.share < 1.0 - MATERIAL
-        };
-        // What comes once and is over within a block is an event, as a push or the one gust of the day: nothing that a model lacks.
-        let is_event = |finding: &Finding| {
-            let at = |place: Option<usize>| values(finding)?.get(place?).copied();
-            let lasts = at(finding.effect.ends_at()).zip(at(finding.effect.begins_at()));
-            lasts.is_some_and(|(end, begin)| end - begin < BLOCK_S)
-        };
         let delay = problem.unpack(&fit.effects, &fit.minimum.values).plant.delay;
         let of_the_hold = |finding: &Finding| {
             values(finding).is_some_and(|p| is_of_the_hold(problem, finding.effect, p, delay))
         };
         let is_small = |(i, finding): &(usize, Finding)| {
-            let uncertain = finding.share < 1.0 - MATERIAL && chosen(finding) < rotation.parts.len();
-            *i > 0 && (uncertain || finding.share < WORTH_A_NAME || !clear(finding) || immaterial[*i])
-                || mends(*i, finding)
+            let every = chosen(finding) >= rotation.parts.len();
+            *i > 0 && (is_minor(finding.share, every, clear(finding)) || immaterial[*i])
+                || mends(finding, &all[..*i])
                 || accounted(finding)
                 || of_the_input(finding)
                 || of_the_hold(finding)
-                || is_event(finding)
+                || values(finding).is_some_and(|p| is_event(finding.effect, p))
         };
         let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
         let [small, named] =
@@ -232,6 +216,32 @@ fn with_names_alone<'f>(
     let values: Vec<f64> = (0..problem.noise_range().end).chain(own).map(|i| fit.minimum.values[i]).collect();
     let effects: Vec<&'static dyn Effect> = kept.iter().map(|&i| fit.effects[i]).collect();
     refit(problem, &effects, &values)
+}
+
+/// Whether a term gains more on held-out data than chance gives.
+fn is_clear(effect: &dyn Effect, held_out: &TermGain) -> bool {
+    let (gain, error) = held_out.log_likelihood;
+    // What acts between two moments shows in few blocks: their spread says nothing of it.
+    effect.ends_at().is_some() || gain > HELD_OUT_ERRORS * error || held_out.signed_rank > HELD_OUT_ERRORS
+}
+
+/// Whether a name beside a larger one is told as a remainder: a small one that not every rotation chooses, a very small one, and
+/// one that is not `clear`.
+fn is_minor(share: f64, every_rotation: bool, clear: bool) -> bool {
+    share < 1.0 - MATERIAL && !every_rotation || share < WORTH_A_NAME || !clear
+}
+
+/// Whether a name mends the form of one of those `before` it: what the data hardly tell from the first of its class, and what closes
+/// little beside it.
+fn mends(finding: &Finding, before: &[&'static dyn Effect]) -> bool {
+    let class = finding.effect.class();
+    class.is_some() && before.iter().any(|e| e.class() == class) && finding.share < 1.0 - MATERIAL
+}
+
+/// Whether what comes once is over within a block: an event, as a push or the one gust of the day, and nothing that a model lacks.
+fn is_event(effect: &dyn Effect, values: &[f64]) -> bool {
+    let at = |place: Option<usize>| values.get(place?).copied();
+    at(effect.ends_at()).zip(at(effect.begins_at())).is_some_and(|(end, begin)| end - begin < BLOCK_S)
 }
 
 /// Whether an unknown of `effect` that may have either sign has the other one in `alone`, where the rest is left out: one of the

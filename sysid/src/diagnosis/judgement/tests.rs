@@ -1,10 +1,15 @@
 //! Two names, of which one is small.
 
-use super::super::data_checks::fixture::Flight;
+use super::super::data_checks::fixture::{Flight, GAIN, fitted, flown, model, normal};
 use super::super::fixture::{
-    asked, effects, extended, flight_with, flown_by, quarters, selection, weaker_at_first,
+    asked, effects, extended, flight_with, flown_by, lagging, quarters, selection, weaker_at_first,
 };
 use super::*;
+use crate::catalogue::find;
+use crate::catalogue::shapes::SHAPES;
+use crate::likelihood::evidence::Information;
+use rand_pcg::Pcg64;
+use std::f64::consts::TAU;
 
 /// The judgement of stiffness and drag together, where all models of the two were visited.
 fn judged<T>(flight: &Flight, ask: impl FnOnce(&Judgement<'_, '_>) -> T) -> T {
@@ -136,4 +141,243 @@ fn a_name_turns_about_where_its_sign_may_be_either_and_is_the_other_one_alone() 
         assert!(!turns("quadratic_drag", [0.1, -0.1], *drag), "a drag begins at none");
         assert!(!turns("trim_offset", [0.1, -0.05], *friction), "what neither has");
     });
+}
+
+/// The test flight's input, `by` times as strong, with stiffness in slow air of strength `air`.
+fn in_slow_air(by: f64, air: f64, decay: f64) -> Flight {
+    let mut random = Pcg64::new(5, 7);
+    let mut slow = vec![0.0];
+    for k in 0..2000 {
+        slow.push(decay * slow[k] + 0.05 * normal(&mut random));
+    }
+    let u = weaker_at_first(1.0).iter().map(|u| by * u).collect();
+    flown_by(1, u, move |k, _, theta| air * slow[k] - 2.0 * theta.sin())
+}
+
+/// The judgement of a selection in which the last of `sets` is the answer's, but for a `change`.
+fn judged_of<T>(
+    flight: &Flight,
+    sets: &[Vec<&'static dyn Effect>],
+    fed_back: bool,
+    change: impl FnOnce(&mut Selection),
+    ask: impl FnOnce(&Judgement<'_, '_>) -> T,
+) -> T {
+    asked(flight, |problem, baseline| {
+        let parts = quarters(problem);
+        let mut models = selection(problem, baseline, &parts, sets);
+        change(&mut models);
+        ask(&Judgement::new(problem, &parts, models, fed_back, &|_| {}))
+    })
+}
+
+#[test]
+fn the_answers_model_is_that_of_the_names_if_they_close_nearly_all_and_the_fullest_if_they_gain_little() {
+    let both = effects(&["cubic_stiffness", "gravity_stiffness"]);
+    let sets = [both[..1].to_vec(), both[1..].to_vec(), both];
+    let place = |stiffness: f64, [named, extended, fullest]: [usize; 3]| {
+        let change = |models: &mut Selection| {
+            (models.named, models.extended, models.fullest) = (named, extended, fullest);
+        };
+        let flown = flight_with(1, |_, _, theta| -stiffness * theta.sin());
+        judged_of(&flown, &sets, false, change, |judgement| (judgement.place, judgement.grounds.closed))
+    };
+    let (found, closed) = place(1.0, [1, 2, 3]);
+    assert!(found == 3 && closed < MATERIAL, "the cubic closes little and gains little: {closed}");
+    let (found, closed) = place(1.0, [2, 2, 3]);
+    assert!(found == 2 && closed < MATERIAL, "stiffness gains all: {closed}");
+    let (found, closed) = place(4.0, [2, 1, 3]);
+    assert!(found == 2 && closed > MATERIAL, "a name is missing from what is beside it: {closed}");
+    assert_eq!(place(4.0, [2, 3, 1]).0, 3, "nothing is missing");
+}
+
+#[test]
+fn a_names_share_is_that_of_the_motion_where_it_is_more_than_that_of_the_evidence() {
+    let both = effects(&["gravity_stiffness", "quadratic_drag"]);
+    let sets = [both[..1].to_vec(), both[1..].to_vec(), both];
+    let flown = flight_with(1, |_, q, theta| -4.0 * theta.sin() - 0.6 * q * q.abs());
+    // beside a baseline that is as good as impossible no name has a share of the evidence
+    let change = |models: &mut Selection| models.visited[0].log_prior -= 1e6;
+    judged_of(&flown, &sets, false, change, |judgement| {
+        let sections: Vec<_> = judgement.parts.iter().flat_map(|part| part.places.clone()).collect();
+        let ahead = |place: usize| vaf_ahead(judgement.problem, &judgement.selection, place, &sections);
+        let [_, stiff, drag, all] = [0, 1, 2, 3].map(|place| closed(ahead(0), ahead(place)));
+        for (id, by_hand) in [("gravity_stiffness", all - drag), ("quadratic_drag", all - stiff)] {
+            let found = judgement.named.iter().chain(&judgement.small).find(|f| f.effect.about().id == id);
+            let share = found.unwrap().share;
+            assert!(by_hand > 0.001 && (share - by_hand).abs() < 1e-9, "{id}: {share} {by_hand}");
+        }
+    });
+}
+
+#[test]
+fn untold_is_half_of_what_the_failed_test_of_physics_that_closes_most_would_gain() {
+    // half of the moment comes a sample early
+    let early = flown(3, 0.0, [0.5, 0.5]);
+    judged_of(
+        &early,
+        &[effects(&["gravity_stiffness"])],
+        false,
+        |_| {},
+        |judgement| {
+            let of_physics = judgement.failed.iter().filter(|test| test.of_physics).map(|test| test.closes);
+            let most = of_physics.fold(0.0, f64::max);
+            assert!(most > 4.0, "{:?}", judgement.failed);
+            assert_eq!(judgement.grounds.untold, 0.5 * most);
+        },
+    );
+}
+
+#[test]
+fn a_name_is_clear_by_what_it_gains_or_by_how_often_it_gains() {
+    let [stiff, step] = ["gravity_stiffness", "moment_step"].map(|id| find(id).unwrap());
+    let clear = |effect: &dyn Effect, gain: f64, error: f64, signed_rank: f64| {
+        is_clear(effect, &TermGain { log_likelihood: (gain, error), signed_rank, ..TermGain::default() })
+    };
+    let limit = HELD_OUT_ERRORS;
+    assert!(clear(stiff, 10.1 * limit, 10.0, 0.0) && !clear(stiff, 9.9 * limit, 10.0, 0.0));
+    assert!(clear(stiff, -5.0, 10.0, limit + 0.01) && !clear(stiff, -5.0, 10.0, limit - 0.01));
+    assert!(!clear(stiff, 0.0, 0.0, limit), "no more than chance");
+    assert!(clear(step, -5.0, 10.0, 0.0), "what comes and goes shows in few blocks");
+}
+
+#[test]
+fn a_name_beside_a_larger_one_is_minor_where_it_is_small_and_not_sure() {
+    let small = 1.0 - MATERIAL - 0.01;
+    assert!(is_minor(small, false, true) && !is_minor(small, true, true));
+    assert!(!is_minor(1.0 - MATERIAL, false, true), "a fifth is not small");
+    assert!(is_minor(WORTH_A_NAME - 0.001, true, true) && !is_minor(WORTH_A_NAME, true, true));
+    assert!(is_minor(0.5, true, false), "not clear");
+}
+
+#[test]
+fn a_small_name_of_a_larger_ones_class_mends_its_form() {
+    asked(&lagging(1, 0.1), |problem, baseline| {
+        let [servo, gyro, stiff] = ["servo_lag", "gyro_lag", "gravity_stiffness"].map(|id| find(id).unwrap());
+        let models = selection(problem, baseline, &[], &[vec![servo, stiff]]);
+        let mends = |id: &str, share: f64, before: &[&'static dyn Effect]| {
+            let findings = models.findings(problem, 1);
+            let found = findings.into_iter().find(|finding| finding.effect.about().id == id).unwrap();
+            mends(&Finding { share, ..found }, before)
+        };
+        assert!(mends("servo_lag", 0.1, &[stiff, gyro]) && !mends("servo_lag", 0.1, &[stiff]));
+        assert!(!mends("servo_lag", 1.0 - MATERIAL, &[gyro]), "a fifth is not small");
+        assert!(!mends("gravity_stiffness", 0.1, &[stiff]), "of no class");
+    });
+}
+
+#[test]
+fn a_moment_that_is_over_within_a_block_is_an_event() {
+    let [stiff, step] = ["gravity_stiffness", "moment_step"].map(|id| find(id).unwrap());
+    assert!(is_event(step, &[0.5, 14.0, 14.0 + 0.9 * BLOCK_S]));
+    assert!(!is_event(step, &[0.5, 14.0, 14.0 + BLOCK_S]) && !is_event(stiff, &[0.5]));
+
+    let judged = |rows: std::ops::Range<usize>| {
+        let within = |k: usize| if rows.contains(&k) { 0.5 } else { 0.0 };
+        let flown = flight_with(1, |k, _, _| within(k));
+        asked(&flown, |problem, baseline| {
+            let parts = quarters(problem);
+            let [from, to] = [rows.start, rows.end].map(|row| problem.sizes.step * row as f64);
+            let start = [&baseline.minimum.values[..], &[0.5, from, to]].concat();
+            let fit = refit(problem, &[step], &start).unwrap();
+            let mut models = selection(problem, baseline, &parts, &[vec![step]]);
+            let places: Vec<_> = parts.iter().map(|part| part.places.clone()).collect();
+            models.visited[1].information = Information::new(problem, &fit, &places).unwrap();
+            models.visited[1].fit = fit;
+            let judgement = Judgement::new(problem, &parts, models, false, &|_| {});
+            (ids(&judgement.named), ids(&judgement.small))
+        })
+    };
+    assert_eq!(judged(700..760), (Vec::new(), vec!["moment_step"]));
+    assert_eq!(judged(700..1100), (vec!["moment_step"], Vec::new()));
+}
+
+#[test]
+fn a_moment_at_a_line_of_the_input_is_told_as_what_is_left() {
+    let tone = |k: usize| (TAU * 4.0 * 0.02 * k as f64).sin();
+    let judged = |of_input: f64| {
+        let u = weaker_at_first(1.0).iter().enumerate().map(|(k, u)| u + of_input * tone(k)).collect();
+        let flown = flown_by(1, u, |k, _, _| 0.2 * tone(k));
+        let sets = [effects(&["periodic_moment"])];
+        judged_of(&flown, &sets, false, |_| {}, |judgement| (ids(&judgement.named), ids(&judgement.small)))
+    };
+    assert_eq!(judged(0.0), (vec!["periodic_moment"], Vec::new()));
+    assert_eq!(judged(0.01), (Vec::new(), vec!["periodic_moment"]));
+}
+
+#[test]
+fn lags_of_which_nothing_tells_one_from_the_other_are_ambiguous() {
+    let mut recording = lagging(1, 0.03).recording();
+    recording.theta = None;
+    fitted(&recording, &model(GAIN, 0.06), |_, problem, baseline| {
+        let parts = quarters(problem);
+        let models = selection(problem, baseline, &parts, &[effects(&["gyro_lag"]), effects(&["servo_lag"])]);
+        let judgement = Judgement::new(problem, &parts, models, false, &|_| {});
+        assert_eq!((judgement.verdict, ids(&judgement.named)), (Verdict::Ambiguous, vec!["servo_lag"]));
+    });
+}
+
+#[test]
+fn a_name_that_no_rotation_chooses_explains_nothing_but_is_kept_where_the_model_predicts() {
+    let flown = flight_with(1, |_, _, theta| -theta.sin());
+    let change = |models: &mut Selection| models.visited[1].log_prior -= 1e3;
+    judged_of(&flown, &[effects(&["gravity_stiffness"])], false, change, |judgement| {
+        assert!(judgement.grounds.unstable && judgement.verdict == Verdict::Unlisted);
+        let gain = judgement.rotation.gain("gravity_stiffness").unwrap();
+        assert!(gain.chosen == 0 && gain.signed_rank > HELD_OUT_ERRORS, "on held-out data it gains");
+        assert!(ahead(&judgement.rotation).max(free_run(&judgement.rotation)) < SEEN_IN_A_LOOP);
+        assert!(the_inputs_own(&judgement.rotation) > THE_INPUTS_OWN);
+        assert_eq!(ids(&judgement.named), ["gravity_stiffness"]);
+    });
+    // most of what can be closed is closed by a shape, and a second ahead is seen, of the input's own less than half
+    let shape = *SHAPES.iter().find(|shape| shape.about().id == "of_q").unwrap();
+    let stiff = effects(&["gravity_stiffness"])[0];
+    let change = |models: &mut Selection| {
+        models.named = 1;
+        models.visited[2].log_prior += 1e3;
+    };
+    judged_of(&in_slow_air(1.0, 1.8, 0.98), &[vec![stiff], vec![stiff, shape]], false, change, |judgement| {
+        assert!(!judgement.grounds.unstable && judgement.verdict == Verdict::Unlisted);
+        let seen = [ahead(&judgement.rotation), the_inputs_own(&judgement.rotation)];
+        assert!(seen[0] > SEEN_IN_A_LOOP && seen[1] < THE_INPUTS_OWN, "{seen:?}");
+        assert_eq!(ids(&judgement.named), ["gravity_stiffness"]);
+    });
+    // a name that explains the data is one, however little is predicted
+    let tone = |k: usize| 0.2 * (TAU * 4.0 * 0.02 * k as f64).sin();
+    let weak = weaker_at_first(1.0).iter().map(|u| 0.15 * u).collect();
+    let sets = [effects(&["periodic_moment"])];
+    judged_of(
+        &flown_by(1, weak, |k, _, _| tone(k)),
+        &sets,
+        false,
+        |_| {},
+        |judgement| {
+            assert!(ahead(&judgement.rotation).max(free_run(&judgement.rotation)) < SEEN_IN_A_LOOP);
+            assert!(the_inputs_own(&judgement.rotation) < THE_INPUTS_OWN);
+            assert_eq!((judgement.verdict, ids(&judgement.named)), (Verdict::Named, vec!["periodic_moment"]));
+        },
+    );
+}
+
+#[test]
+fn names_are_lost_in_a_loop_alone_and_only_where_nothing_of_the_input_is_seen() {
+    let judged = |flight: &Flight, fed_back: bool| {
+        let sets = [effects(&["gravity_stiffness"])];
+        judged_of(
+            flight,
+            &sets,
+            fed_back,
+            |_| {},
+            |judgement| {
+                let seen = [ahead(&judgement.rotation), the_inputs_own(&judgement.rotation)];
+                (judgement.grounds.lost_in_the_loop, seen[0] < SEEN_IN_A_LOOP, seen[1] < THE_INPUTS_OWN)
+            },
+        )
+    };
+    let rough = in_slow_air(1.0, 2.0, 0.98);
+    assert_eq!(
+        [true, false].map(|fed_back| judged(&rough, fed_back)),
+        [(true, true, true), (false, true, true)]
+    );
+    assert_eq!(judged(&in_slow_air(3.0, 5.0, 0.96), true), (false, true, false));
+    assert_eq!(judged(&in_slow_air(1.0, 1.8, 0.98), true), (false, false, true));
 }

@@ -66,19 +66,26 @@ fn a_term_whose_model_without_it_was_not_visited_is_held_against_the_best_of_the
         let divisor = models.visited[2].information.divisor(models.visited[2].fit.own_range(problem, 0));
         let value = |i: usize| models.visited[i].log_posterior(problem, divisor);
         assert!((found.log_evidence - (value(2) - value(0))).abs() < 1e-9, "{}", found.log_evidence);
+        let ratio = (models.visited[0].fit.criterion() - models.visited[2].fit.criterion()) / divisor;
+        assert!((found.p_value / chance(ratio, 2) - 1.0).abs() < 1e-9, "two parameters: {}", found.p_value);
     });
 }
 
 #[test]
 fn probability_is_the_share_of_the_models_with_the_term() {
     asked(&flight(1, 0.0), |problem, baseline| {
-        let models = selection(problem, baseline, &[], &[effects(&["servo_lag"])]);
+        let mut models = selection(problem, baseline, &[], &[effects(&["servo_lag"])]);
         let found = &models.findings(problem, 1)[0];
         let divisor = models.visited[1].divisor(problem);
         let value = |i: usize| models.visited[i].log_posterior(problem, divisor);
         let odds = (value(1) - value(0)).exp();
         assert!((found.probability - odds / (1.0 + odds)).abs() < 1e-9, "{}", found.probability);
         assert!(found.probability < 0.5 && found.rivals.is_empty());
+        for visited in &mut models.visited {
+            visited.log_prior -= 1e4;
+        }
+        let less = models.findings(problem, 1)[0].probability;
+        assert!((less - found.probability).abs() < 1e-6, "what all models have in common: {less}");
     });
 }
 
@@ -208,7 +215,6 @@ fn a_term_is_calibrated_by_its_own_blocks_and_told_by_what_the_whole_gains() {
         let criterion = |i: usize| models.visited[i].fit.criterion();
         let found = finding(&models.findings(problem, 3), "quadratic_drag").clone();
         let ratio = (criterion(1) - criterion(3)) / divisors[1];
-        let by_chance = chance(ratio, 1);
         assert!(ratio > 1.0 && (found.p_value / chance(ratio, 1) - 1.0).abs() < 1e-9, "{ratio}");
         let share = found.log_evidence / whole;
         assert!((0.05..0.95).contains(&share) && (found.share - share).abs() < 1e-9, "{share}");
