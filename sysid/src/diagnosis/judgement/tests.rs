@@ -266,6 +266,29 @@ fn a_small_name_of_a_larger_ones_class_mends_its_form() {
 }
 
 #[test]
+fn a_sure_small_lag_beside_a_larger_one_is_told_as_what_is_left() {
+    let mut flown = lagging(1, 0.02);
+    let mut filtered = 0.0;
+    for q in &mut flown.q {
+        filtered += 0.2 * (*q - filtered);
+        *q = filtered;
+    }
+    let sets = [effects(&["servo_lag"]), effects(&["gyro_lag"]), effects(&["servo_lag", "gyro_lag"])];
+    judged_of(
+        &flown,
+        &sets,
+        false,
+        |_| {},
+        |judgement| {
+            assert_eq!((ids(&judgement.named), ids(&judgement.small)), (vec!["gyro_lag"], vec!["servo_lag"]));
+            let (share, gain) = (judgement.small[0].share, judgement.rotation.gain("servo_lag").unwrap());
+            let clear = is_clear(judgement.small[0].effect, &gain);
+            assert!(!is_minor(share, gain.chosen_in_kind == 4, clear) && share < 1.0 - MATERIAL, "{share}");
+        },
+    );
+}
+
+#[test]
 fn a_moment_that_is_over_within_a_block_is_an_event() {
     let [stiff, step] = ["gravity_stiffness", "moment_step"].map(|id| find(id).unwrap());
     assert!(is_event(step, &[0.5, 14.0, 14.0 + 0.9 * BLOCK_S]));
@@ -289,6 +312,56 @@ fn a_moment_that_is_over_within_a_block_is_an_event() {
     };
     assert_eq!(judged(700..760), (Vec::new(), vec!["moment_step"]));
     assert_eq!(judged(700..1100), (vec!["moment_step"], Vec::new()));
+}
+
+#[test]
+fn the_first_name_stays_one_however_little_it_gains() {
+    let flown = flight_with(1, |_, _, theta| -0.05 * theta.sin());
+    judged_of(
+        &flown,
+        &[effects(&["gravity_stiffness"])],
+        false,
+        |_| {},
+        |judgement| {
+            let gain = judgement.rotation.gain("gravity_stiffness").unwrap();
+            assert!(!is_clear(judgement.named[0].effect, &gain) && judgement.grounds.unstable);
+            assert_eq!((ids(&judgement.named), judgement.small.len()), (vec!["gravity_stiffness"], 0));
+        },
+    );
+}
+
+#[test]
+fn a_name_that_turns_its_sign_without_the_shapes_is_told_as_what_is_left() {
+    let shape = *SHAPES.iter().find(|shape| shape.about().id == "of_q").unwrap();
+    let set = vec![effects(&["gravity_stiffness"])[0], shape];
+    let judged = |factor: f64| {
+        let change = |models: &mut Selection| {
+            let fit = &mut models.visited[1].fit;
+            let stiffness = fit.minimum.values.len() - set[1].starts(&Default::default())[0].len() - 1;
+            assert!(fit.minimum.values[stiffness] > 1.0);
+            fit.minimum.values[stiffness] *= factor;
+        };
+        let flown = flight_with(1, |_, _, theta| -2.0 * theta.sin());
+        judged_of(&flown, &[set.clone()], false, change, |judgement| {
+            (ids(&judgement.named), ids(&judgement.small), judgement.names_alone.is_some())
+        })
+    };
+    assert_eq!(judged(1.0), (vec!["gravity_stiffness"], Vec::new(), true));
+    assert_eq!(judged(-0.1), (Vec::new(), vec!["gravity_stiffness"], false));
+}
+
+#[test]
+fn an_input_of_which_a_lag_within_a_row_is_not_known_is_no_finding() {
+    let sines = (0..2000).map(|k| 0.015 * (0.31 * f64::from(k)).sin()).collect();
+    judged_of(
+        &flown_by(1, sines, |_, _, _| 0.0),
+        &[effects(&["servo_lag"])],
+        false,
+        |_| {},
+        |judgement| {
+            assert_eq!((ids(&judgement.named), ids(&judgement.small)), (Vec::new(), vec!["servo_lag"]));
+        },
+    );
 }
 
 #[test]
