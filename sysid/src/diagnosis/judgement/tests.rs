@@ -342,7 +342,7 @@ fn a_name_that_turns_its_sign_without_the_shapes_is_told_as_what_is_left() {
             fit.minimum.values[stiffness] *= factor;
         };
         let flown = flight_with(1, |_, _, theta| -2.0 * theta.sin());
-        judged_of(&flown, &[set.clone()], false, change, |judgement| {
+        judged_of(&flown, std::slice::from_ref(&set), false, change, |judgement| {
             (ids(&judgement.named), ids(&judgement.small), judgement.names_alone.is_some())
         })
     };

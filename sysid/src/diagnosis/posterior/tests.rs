@@ -105,7 +105,7 @@ fn a_model_tells_its_names_its_shapes_and_its_background_apart() {
 
 /// A stiffness and a drag that change every few seconds: what the blocks say of them is uneven, and κ is more than one.
 fn uneven() -> Flight {
-    let now = |k: usize, every: usize| if k / every % 2 == 0 { 1.8 } else { 0.2 };
+    let now = |k: usize, every: usize| if (k / every).is_multiple_of(2) { 1.8 } else { 0.2 };
     flight_with(1, move |k, q, theta| -now(k, 500) * theta.sin() - 0.3 * now(k, 100) * q * q.abs())
 }
 
