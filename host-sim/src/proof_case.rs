@@ -68,7 +68,7 @@ pub struct Concealed {
 
 /// Effects that no VAF of the rate shows: it takes the mean out, and a gain hides in ∂M/∂u, and the angle is another channel. Their sizes are shares
 /// of the usual range, on a logarithmic scale.
-const UNSEEN: [&str; 4] = ["gyro_bias", "gyro_scale", "angle_lag", "angle_skew"];
+const UNSEEN: [&str; 5] = ["gyro_bias", "gyro_scale", "angle_lag", "angle_skew", "encoder_error"];
 /// Costs from which on a case counts as moderate and as strong, points.
 const MODERATE_POINTS: f64 = 2.0;
 const STRONG_POINTS: f64 = 8.0;

@@ -82,6 +82,8 @@ pub struct Amplitudes {
     pub q: f64,
     /// Standard deviation of the pitch angle, rad.
     pub theta: f64,
+    /// From the least pitch angle to the largest, rad.
+    pub turned: f64,
     /// Standard deviation of the control moment ∂M/∂u·u, N m.
     pub moment: f64,
     /// Sample period, s.
@@ -301,17 +303,22 @@ impl Dataset {
         let angle: Vec<Vec<f64>> = self.runs.iter().map(Run::angle_or_sum).collect();
         let q = deviation(rate.iter().map(Vec::as_slice));
         let theta = deviation(angle.iter().map(Vec::as_slice));
+        let all = angle.iter().flatten();
+        let (least, largest) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &angle| {
+            (low.min(angle), high.max(angle))
+        });
+        let turned = (largest - least).max(0.0);
         let duration = self.runs.iter().map(|run| run.elapsed(run.len())).fold(step, f64::max);
         let rate_limit =
             self.runs.iter().map(|run| run.rate_limit).reduce(f64::max).filter(|l| l.is_finite());
         if self.input_changes() {
             let moment = (dm_du * u).abs().max(f64::MIN_POSITIVE);
-            return Amplitudes { u, q, theta, moment, step, duration, rate_limit };
+            return Amplitudes { u, q, theta, turned, moment, step, duration, rate_limit };
         }
         let quickness = DECORRELATED.acos() / (decorrelation(&rate) as f64 * step);
         let moment = (inertia * q * quickness).max(f64::MIN_POSITIVE);
         let u = moment / dm_du.abs().max(f64::MIN_POSITIVE);
-        Amplitudes { u, q, theta, moment, step, duration, rate_limit }
+        Amplitudes { u, q, theta, turned, moment, step, duration, rate_limit }
     }
 }
 

@@ -374,6 +374,20 @@ fn periodic_moment() {
 }
 
 #[test]
+fn cogging() {
+    let (amplitude, n, phase) = (0.05, 42.0, 0.7);
+    let mut concealed = Moment(|now: &Now| amplitude * (n * now.theta + phase).sin());
+    finds("cogging", &[("amplitude", amplitude), ("n", n), ("phase", phase)], &[], &mut concealed);
+}
+
+#[test]
+fn encoder_error() {
+    let (amplitude, n, phase) = (0.006, 35.0, 2.1);
+    let mut concealed = Shown(|now: &Now| [now.q, now.theta + amplitude * (n * now.theta + phase).sin()]);
+    finds("encoder_error", &[("amplitude", amplitude), ("n", n), ("phase", phase)], &[], &mut concealed);
+}
+
+#[test]
 fn voltage_droop() {
     let mut concealed = Blade(|now: &Now| now.u * (now.volts / 11.7).powf(2.0));
     finds("voltage_droop", &[("n", 2.0)], &["effectiveness_fade"], &mut concealed);

@@ -11,8 +11,16 @@ const STEP: f64 = 0.02;
 const PLANT: Plant = Plant { inertia: 0.1705, dm_dq: -0.27, dm_du: 23.0, delay: 0.05, mount: None };
 const QUIET: Disturbance =
     Disturbance { intensity: 1.0, frequency: 2.2, damping: 2.4, zero: 1.0, angle_noise: 1.0, third: None };
-const SIZES: Amplitudes =
-    Amplitudes { u: 0.015, q: 0.3, theta: 0.2, moment: 0.345, step: STEP, duration: 4.0, rate_limit: None };
+const SIZES: Amplitudes = Amplitudes {
+    u: 0.015,
+    q: 0.3,
+    theta: 0.2,
+    turned: 0.8,
+    moment: 0.345,
+    step: STEP,
+    duration: 4.0,
+    rate_limit: None,
+};
 
 fn run(u: Vec<f64>) -> Run {
     Run {

@@ -23,10 +23,12 @@ mod asymmetric_friction;
 mod asymmetric_servo;
 mod axis_misalignment;
 mod clock_skew;
+mod cogging;
 mod coulomb_friction;
 mod cross_feed;
 mod cubic_stiffness;
 mod effectiveness_fade;
+mod encoder_error;
 mod end_stop;
 mod extra_delay;
 mod gravity_stiffness;
@@ -40,6 +42,7 @@ mod hysteresis;
 mod imu_mount;
 mod inertia_step;
 mod inflow_lag;
+mod linear_stiffness;
 mod linkage_backlash;
 mod moment_step;
 mod oscillator;
@@ -119,10 +122,13 @@ pub const CATALOGUE: &[Entry] = &[
     axis_misalignment::ENTRY,
     gust_disturbance::ENTRY,
     periodic_moment::ENTRY,
+    cogging::ENTRY,
+    encoder_error::ENTRY,
 ];
 
-/// Effects of the catalogue that show only beside one that depends on the angle: by itself none of them changes the motion.
-pub const BESIDE_A_SPRING: &[Entry] = &[rest_angle::ENTRY];
+/// Effects of the catalogue that no proof draws: a rest angle shows only beside a spring, and a straight spring is gravity over the
+/// angles of a flight.
+pub const UNDRAWN: &[Entry] = &[rest_angle::ENTRY, linear_stiffness::ENTRY];
 
 /// Physics that no catalogue has.
 pub const OUTSIDE: &[Entry] = &[
@@ -141,9 +147,9 @@ pub const OUTSIDE: &[Entry] = &[
 pub const UNTOUCHED: &[Entry] =
     &[untouched::sticky_end::ENTRY, untouched::sagging_supply::ENTRY, untouched::local_friction::ENTRY];
 
-/// Effects that a diagnosis may know by name, those that show only beside another among them.
+/// Effects that a diagnosis may know by name, those that no proof draws among them.
 pub fn named() -> impl Iterator<Item = &'static Entry> {
-    CATALOGUE.iter().chain(BESIDE_A_SPRING)
+    CATALOGUE.iter().chain(UNDRAWN)
 }
 
 /// Every effect that the simulator knows: with a name, outside, untouched.

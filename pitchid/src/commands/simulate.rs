@@ -226,8 +226,16 @@ mod tests {
     use sysid::model::effect::Effect;
     use sysid::model::file::{EffectEntry, ModelFile};
 
-    const ANY: Amplitudes =
-        Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 1.0, rate_limit: None };
+    const ANY: Amplitudes = Amplitudes {
+        u: 1.0,
+        q: 1.0,
+        theta: 1.0,
+        turned: 8.0,
+        moment: 1.0,
+        step: 0.02,
+        duration: 1.0,
+        rate_limit: None,
+    };
 
     /// Free-run VAF of `model` over what `scenario` recorded, the model's values as they are.
     fn simulated(model: &ModelFile, scenario: &Scenario) -> f64 {

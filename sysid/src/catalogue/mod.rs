@@ -6,10 +6,12 @@ mod asymmetric_friction;
 mod asymmetric_servo;
 mod axis_misalignment;
 mod clock_skew;
+mod cogging;
 mod coulomb_friction;
 mod cross_feed;
 mod cubic_stiffness;
 mod effectiveness_fade;
+mod encoder_error;
 mod end_stop;
 pub mod extra_delay;
 pub mod gravity_stiffness;
@@ -24,9 +26,11 @@ mod imu_mount;
 mod inertia_step;
 mod inflow_lag;
 mod legal;
+mod linear_stiffness;
 mod linkage_backlash;
 pub mod model_file;
 mod moment_step;
+mod over_angle;
 mod periodic_moment;
 mod quadratic_drag;
 mod rest_angle;
@@ -41,6 +45,7 @@ mod servo_second_order;
 pub mod shapes;
 pub mod slow_moment;
 mod slung_load;
+mod spectral_lines;
 mod stribeck_friction;
 mod structural_mode;
 mod thrust_curve;
@@ -74,8 +79,10 @@ pub const CATALOGUE: &[&dyn Effect] = &[
     &hysteresis::Hysteresis,
     &quadratic_drag::QuadraticDrag,
     &gravity_stiffness::GravityStiffness,
+    &linear_stiffness::LinearStiffness,
     &cubic_stiffness::CubicStiffness,
     &rest_angle::RestAngle,
+    &cogging::Cogging,
     &end_stop::EndStop,
     &unilateral_spring::UnilateralSpring,
     &structural_mode::StructuralMode,
@@ -91,6 +98,7 @@ pub const CATALOGUE: &[&dyn Effect] = &[
     &gyro_lag::GyroLag,
     &angle_lag::AngleLag,
     &angle_skew::AngleSkew,
+    &encoder_error::EncoderError,
     &gyro_saturation::GyroSaturation,
     &imu_mount::ImuMount,
     &axis_misalignment::AxisMisalignment,

@@ -14,8 +14,16 @@ use crate::model::plant::{Mount, Plant};
 use std::path::Path;
 
 /// Signals of any size: the names of parameters do not hang on them, nor do their signs.
-pub(super) const ANY: Amplitudes =
-    Amplitudes { u: 1.0, q: 1.0, theta: 1.0, moment: 1.0, step: 0.02, duration: 100.0, rate_limit: None };
+pub(super) const ANY: Amplitudes = Amplitudes {
+    u: 1.0,
+    q: 1.0,
+    theta: 1.0,
+    turned: 8.0,
+    moment: 1.0,
+    step: 0.02,
+    duration: 100.0,
+    rate_limit: None,
+};
 /// Most states that the effects have which a diagnosis adds: five of the catalogue, and two terms without a name.
 const STATES_OF_CANDIDATES: usize = 5 * 2 + 2 * 3;
 

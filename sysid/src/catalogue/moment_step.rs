@@ -135,7 +135,7 @@ mod tests {
         let left = |to: i32| {
             let moment = (0..3037).map(|k| if (1000..to).contains(&k) { 0.1 } else { 0.02 });
             // the last part is shorter than the others
-            ResidualMoment { start: 1.0, step: 0.02, moment: moment.collect() }
+            ResidualMoment { start: 1.0, step: 0.02, moment: moment.collect(), angle: Vec::new() }
         };
         let near =
             |start: &[f64], expected: [f64; 3]| start.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9);

@@ -153,13 +153,22 @@ mod tests {
         u: 0.015,
         q: 0.3,
         theta: 0.1,
+        turned: 0.8,
         moment: 0.345,
         step: 0.02,
         duration: 90.0,
         rate_limit: None,
     };
-    const OTHER: Amplitudes =
-        Amplitudes { u: 0.03, q: 0.7, theta: 0.4, moment: 0.7, step: 0.01, duration: 30.0, rate_limit: None };
+    const OTHER: Amplitudes = Amplitudes {
+        u: 0.03,
+        q: 0.7,
+        theta: 0.4,
+        turned: 2.4,
+        moment: 0.7,
+        step: 0.01,
+        duration: 30.0,
+        rate_limit: None,
+    };
 
     /// What a term does over one step from somewhere: moment, its own states after it, what is measured.
     fn act(term: &Term, sizes: Amplitudes) -> (f64, [f64; 3], Output) {

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 /// Both of them.
 pub const PAIR: [&dyn Effect; 2] = [&GravityStiffness, &TrimOffset];
 /// What pulls back to the angle's zero.
-const SPRINGS: [&str; 2] = ["gravity_stiffness", "cubic_stiffness"];
+const SPRINGS: [&str; 3] = ["gravity_stiffness", "linear_stiffness", "cubic_stiffness"];
 /// Prior probability that a constant moment holds what hangs aside, and neither the command nor the background.
 const HELD: f64 = 0.9;
 /// Stiffnesses to begin with, as shares of what turns the input's moment into the angle's spread.

@@ -73,24 +73,8 @@ pub fn summary(answer: &Answer, objection: Option<Objection>) -> String {
     {
         text.push_str(&format!(" Left beside it ({}): {}.", percent(remainder.share), remainder.words));
     }
-    text.push_str(&straight_spring(answer));
     text.push_str(&off_in_model(answer));
     text
-}
-
-/// A cubic beside the sine of gravity, as it is beside a spring that is straight: G sin θ = G θ − G θ³/6 + …
-fn straight_spring(answer: &Answer) -> String {
-    let in_model = answer.in_model.iter().map(|known| (&known.id, &known.parameters));
-    let all = || answer.effects.iter().map(|e| (&e.id, &e.parameters)).chain(in_model.clone());
-    let first =
-        |id: &str| all().find(|(known, _)| *known == id).and_then(|(_, parameters)| parameters.first());
-    let (Some(gravity), Some(cubic)) = (first("gravity_stiffness"), first("cubic_stiffness")) else {
-        return String::new();
-    };
-    let bend = gravity.value / 6.0;
-    let beside =
-        Estimate { value: cubic.value - bend, ci95: cubic.ci95.map(|end| end - bend), ..cubic.clone() };
-    format!(" Were the spring G theta instead of G sin(theta), {}.", in_words(&beside))
 }
 
 /// Effects of the user's model whose values the data contradict.

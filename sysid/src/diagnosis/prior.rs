@@ -5,7 +5,9 @@
 //! ```
 //!
 //! A term that says no more than two others together, as friction with another value each way, is believed a tenth as readily as
-//! they are: drives, sensors and weights have offsets on every rig.
+//! they are: drives, sensors and weights have offsets on every rig. One that says all but the same as a single other, as a straight
+//! spring over small angles, is believed three hundredths as readily: what hangs on a pivot has its weight, and few a spring. Beside
+//! a spring that stiffens it is believed as readily: that one is straight before it stiffens.
 //!
 //! The constant moment that holds a craft aside is no further term: nine in ten such craft have one ([`super::another_zero`]).
 
@@ -21,6 +23,10 @@ pub const FURTHER_TERM: f64 = 0.5;
 pub const NAMED: f64 = 2.0 / 3.0;
 /// Prior odds of a term against others that say the same together.
 const RESTATED: f64 = 0.1;
+/// The same against a single one, that is more usual.
+const UNUSUAL: f64 = 0.03;
+/// The spring that stiffens.
+const STIFFENS: &str = "cubic_stiffness";
 
 /// ln of the prior odds of a model with the terms `effects`, where `candidates` can be asked for.
 pub fn log_prior(problem: &Problem<'_>, effects: &[&'static dyn Effect], candidates: &Candidates) -> f64 {
@@ -36,7 +42,13 @@ pub fn log_prior(problem: &Problem<'_>, effects: &[&'static dyn Effect], candida
         let said = if named.iter().any(|simple| effect.generalises(*simple)) { 2.0 } else { 1.0 };
         let others = effect.restates();
         let askable = |id: &&str| named.iter().any(|other| other.about().id == *id);
-        let restated = if !others.is_empty() && others.iter().all(askable) { RESTATED } else { 1.0 };
+        let restated = match others {
+            [] => 1.0,
+            _ if !others.iter().all(askable) => 1.0,
+            [_] if effects.iter().any(|other| other.about().id == STIFFENS) => 1.0,
+            [_] => UNUSUAL,
+            _ => RESTATED,
+        };
         said * (FURTHER_TERM * share).ln() + restated.ln()
     };
     let terms = effects.iter().filter(|effect| !(pulls && is_trim(**effect))).map(of).sum::<f64>();
@@ -96,6 +108,18 @@ mod tests {
             Candidates { named: effects(&["coulomb_friction", "asymmetric_friction"]), shapes: shapes() };
         let one = (0.5_f64 * 2.0 / 3.0 / 2.0).ln();
         assert!((of(&["asymmetric_friction"], &alone) - 2.0 * one).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_straight_spring_is_believed_less_readily_than_the_weight_it_may_be() {
+        let both =
+            Candidates { named: effects(&["gravity_stiffness", "linear_stiffness"]), shapes: shapes() };
+        let weight = of(&["gravity_stiffness"], &both);
+        assert!((of(&["linear_stiffness"], &both) - weight - 0.03_f64.ln()).abs() < 1e-12);
+        let beside = |id| of(&[id, "cubic_stiffness"], &both);
+        assert!((beside("linear_stiffness") - beside("gravity_stiffness")).abs() < 1e-12);
+        let alone = Candidates { named: effects(&["linear_stiffness"]), shapes: shapes() };
+        assert!((of(&["linear_stiffness"], &alone) - (1.0_f64 / 3.0).ln()).abs() < 1e-12);
     }
 
     #[test]

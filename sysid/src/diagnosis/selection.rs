@@ -312,6 +312,10 @@ impl Search<'_, '_> {
             for simpler in self.visit_instead(current, |general, e| general.generalises(e)) {
                 self.once_more(simpler, &self.candidates.named.clone());
             }
+            let said_by = |one: &dyn Effect, other: &dyn Effect| one.restates() == [other.about().id];
+            for other in self.visit_instead(current, |one, e| said_by(one, e) || said_by(e, one)) {
+                self.visit_without(other);
+            }
             self.visit_change_instead(current);
             let best = self.best_named(current);
             if best == current {
@@ -336,7 +340,9 @@ impl Search<'_, '_> {
         let fit = self.visited[place].fit.clone();
         let terms: Vec<usize> = (0..fit.effects.len()).filter(|&i| !fit.effects[i].is_background()).collect();
         let fits: Vec<Fit> = terms.par_iter().filter_map(|&i| without(self.problem, &fit, i)).collect();
-        fits.into_iter().filter_map(|fit| self.visit(fit)).collect()
+        let handed: Vec<Fit> =
+            terms.par_iter().flat_map_iter(|&i| handed_on(self.problem, &fit, i)).collect();
+        fits.into_iter().chain(handed).filter_map(|fit| self.visit(fit)).collect()
     }
 
     /// The model at `place` with every candidate in the place of a term that `stands` for it.
@@ -437,6 +443,27 @@ pub fn without(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<Fit> {
     values.drain(fit.own_range(problem, i));
     effects.remove(i);
     refit(problem, &effects, &values).map(|fit| best_moment(problem, fit))
+}
+
+/// `fit` without its `i`-th effect, of which another one of its class with as many parameters takes over the values: of a lag that is
+/// cut in two neither part by itself leads to the whole.
+fn handed_on(problem: &Problem<'_>, fit: &Fit, i: usize) -> Vec<Fit> {
+    let (class, own) = (fit.effects[i].class(), fit.own_range(problem, i));
+    let mates =
+        (0..fit.effects.len()).filter(|&j| j != i && class.is_some() && fit.effects[j].class() == class);
+    let takes_over = |j: usize| {
+        let others = fit.own_range(problem, j);
+        if others.len() != own.len() {
+            return None;
+        }
+        let mut values = fit.minimum.values.clone();
+        values.copy_within(own.clone(), others.start);
+        values.drain(own.clone());
+        let mut effects = fit.effects.clone();
+        effects.remove(i);
+        refit(problem, &effects, &values)
+    };
+    mates.filter_map(takes_over).collect()
 }
 
 #[cfg(test)]

@@ -219,6 +219,7 @@ mod tests {
         u: 0.015,
         q: 0.2,
         theta: 0.1,
+        turned: 0.8,
         moment: 0.35,
         step: 0.02,
         duration: 98.0,

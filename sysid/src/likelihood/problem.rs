@@ -12,7 +12,7 @@ use crate::model::effect::{Effect, Locus, Parameter, ResidualMoment, Scale};
 use crate::model::file::ModelFile;
 use crate::model::noise::Disturbance;
 use crate::model::pitch::{Gains, Output, PitchModel, Point, Term};
-use crate::model::plant::{Mount, Plant};
+use crate::model::plant::{Mount, Plant, THETA};
 use crate::optim::levenberg_marquardt::Coordinate;
 
 /// The data with what is counted of them.
@@ -421,17 +421,18 @@ impl<'a> Problem<'a> {
             return ResidualMoment::default();
         };
         let unpacked = self.unpack(effects, values);
-        let (mut start, mut moment) = (0.0, Vec::new());
+        let (mut start, mut moment, mut angle) = (0.0, Vec::new(), Vec::new());
         let visit = |index: usize, k: usize, point: &Point| {
             if index == longest && (!moment.is_empty() || self.counted[index][k]) {
                 if moment.is_empty() {
                     start = self.data.runs[index].time(k);
                 }
                 moment.push(unpacked.disturbance.moment(&point.x));
+                angle.push(point.x[THETA]);
             }
         };
         match self.track(&unpacked, visit, &mut |_, _| {}) {
-            Some(()) => ResidualMoment { start, step: self.data.runs[longest].step, moment },
+            Some(()) => ResidualMoment { start, step: self.data.runs[longest].step, moment, angle },
             None => ResidualMoment::default(),
         }
     }

@@ -110,6 +110,8 @@ pub struct ResidualMoment {
     pub step: f64,
     /// The moment, N m.
     pub moment: Vec<f64>,
+    /// The pitch angle, rad.
+    pub angle: Vec<f64>,
 }
 
 /// A signal that a term is drawn over.
@@ -229,7 +231,7 @@ pub trait Effect: Sync {
     fn generalises(&self, _other: &dyn Effect) -> bool {
         false
     }
-    /// Ids of effects that together say the same as it does, to the bit.
+    /// Ids of effects that together say the same as it does, or all but the same, and are more usual.
     fn restates(&self) -> &'static [&'static str] {
         &[]
     }

@@ -13,8 +13,16 @@ use sysid::estimate::digits;
 use sysid::model::effect::{Effect, Parameter};
 
 /// Signals of the size that the reference experiment has, as on the page of the catalogue.
-const SIZES: Amplitudes =
-    Amplitudes { u: 0.015, q: 0.3, theta: 0.1, moment: 0.345, step: 0.02, duration: 90.0, rate_limit: None };
+const SIZES: Amplitudes = Amplitudes {
+    u: 0.015,
+    q: 0.3,
+    theta: 0.1,
+    turned: 0.8,
+    moment: 0.345,
+    step: 0.02,
+    duration: 90.0,
+    rate_limit: None,
+};
 
 /// Largest picture, bytes.
 const LARGEST_PICTURE: u64 = 60_000;

@@ -59,8 +59,8 @@ struct Test {
 }
 
 const EVERY: usize = usize::MAX;
-/// The linear spring: G sin θ, straight for the small positions of an oscillator.
-const SPRING: &str = "gravity_stiffness";
+/// The oscillator's spring.
+const SPRING: &str = "linear_stiffness";
 
 /// The benchmarks.
 pub const BENCHMARKS: [Benchmark; 2] = [
@@ -268,7 +268,7 @@ impl Benchmark {
             id: SPRING.into(),
             shape: None,
             remark: None,
-            parameters: [("G".to_owned(), stiffness)].into(),
+            parameters: [("k".to_owned(), stiffness)].into(),
         };
         let plant = PlantSection {
             inertia_kg_m2: 1.0,

@@ -169,6 +169,7 @@ mod tests {
             u: 1.3,
             q: 0.7,
             theta: 0.5,
+            turned: 3.0,
             moment: 2.6,
             step: STEP,
             duration: 15.0,

@@ -42,6 +42,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         u: 0.015,
         q: 0.3,
         theta: 0.1,
+        turned: 0.8,
         moment: 0.35,
         step: STEP,
         duration: rows as f64 * STEP,

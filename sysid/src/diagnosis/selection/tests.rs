@@ -1,7 +1,7 @@
 use super::*;
 use crate::catalogue::{CATALOGUE, find};
 use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model};
-use crate::diagnosis::fixture::{asked, flight_with};
+use crate::diagnosis::fixture::{asked, effects, extended, flight_with, flown_by, lagging};
 use crate::diagnosis::posterior::Finding;
 use crate::likelihood::fit::fit_baseline;
 
@@ -66,5 +66,30 @@ fn a_spring_about_another_zero_is_found_with_that_zero() {
             "{:?} {k3} {rest}",
             fit.ids()
         );
+    });
+}
+
+#[test]
+fn a_straight_spring_is_told_from_gravity_where_the_angles_are_large() {
+    let far = flight(3, 0.0).u.iter().map(|u| 6.0 * u).collect();
+    let swung = flown_by(3, far, |_, _, angle| -3.0 * angle);
+    asked(&swung, |problem, plain| {
+        let selection = select(problem, plain.clone(), CATALOGUE, &[], &|_| ()).unwrap();
+        let fit = &selection.visited[selection.named].fit;
+        assert!(fit.position("linear_stiffness").is_some(), "{:?}, {} rad", fit.ids(), problem.sizes.theta);
+    });
+}
+
+#[test]
+fn a_lag_that_was_cut_in_two_is_handed_on_whole() {
+    let lagged = lagging(1, 0.25);
+    asked(&lagged, |problem, plain| {
+        let mut cut = extended(problem, plain, &effects(&["servo_lag", "angle_lag"]));
+        let (servo, angle) = (cut.own_range(problem, 0).start, cut.own_range(problem, 1).start);
+        (cut.minimum.values[servo], cut.minimum.values[angle]) = (0.01, 0.25);
+        let whole = handed_on(problem, &cut, 1);
+        assert_eq!((whole.len(), whole[0].ids()), (1, vec!["servo_lag"]));
+        assert!((whole[0].minimum.values[servo] - 0.25).abs() < 0.02, "{}", whole[0].minimum.values[servo]);
+        assert!(handed_on(problem, &extended(problem, plain, &effects(&["servo_lag"])), 0).is_empty());
     });
 }
