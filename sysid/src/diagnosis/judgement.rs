@@ -6,7 +6,7 @@ use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
 use super::levels::{
-    ADEQUACY, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, THE_INPUTS_OWN, WORTH_A_NAME,
+    ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, THE_INPUTS_OWN, WORTH_A_NAME,
 };
 use super::materiality::{beyond_the_past, closed, is_immaterial, vaf_ahead};
 use super::parts::Part;
@@ -78,33 +78,25 @@ impl<'p, 'd> Judgement<'p, 'd> {
             let names = selection.visited[selection.named].fit.ids();
             names.iter().all(|id| selection.visited[place].fit.position(id).is_some())
         };
-        let place = if closed >= MATERIAL && !has_all(selection.extended) {
+        let mut place = if closed >= MATERIAL && !has_all(selection.extended) {
             selection.named
         } else if gained_by_names < MATERIAL * gained_by_all && closed < MATERIAL {
             selection.fullest
         } else {
             selection.extended
         };
-        let (named, shapes): (Vec<Finding>, Vec<Finding>) =
-            selection.findings(problem, place).into_iter().partition(|finding| finding.named);
-        // A sensor with little noise has nearly all of the evidence, beside what moves the vehicle more.
-        let all_closed = closed_by(place);
-        let with_rest = |finding: Finding| {
-            let by_rest = finding.without.map(closed_by);
-            let share = finding.share.max(by_rest.map_or(0.0, |rest| all_closed - rest));
-            let immaterial = by_rest.is_some_and(|rest| is_immaterial(finding.effect, all_closed, rest));
-            (Finding { share, ..finding }, immaterial)
+        let Told { place, named, immaterial, shapes, rotation } = loop {
+            let told = told(problem, &selection, place, parts, &closed_by, progress);
+            match told.unfounded(problem, &selection) {
+                Some(without) => place = without,
+                None => break told,
+            }
         };
-        let mut named: Vec<(Finding, bool)> = named.into_iter().map(with_rest).collect();
-        named.sort_by(|(a, _), (b, _)| b.share.total_cmp(&a.share));
-        let (named, immaterial): (Vec<Finding>, Vec<bool>) = named.into_iter().unzip();
         let fit = &selection.visited[place].fit;
         let all = tests(problem, fit, &sections);
         let failed: Vec<Test> = failing(&all, ADEQUACY).into_iter().cloned().collect();
         let closes = failed.iter().filter(|test| test.of_physics).map(|test| test.closes);
         let untold = 0.5 * closes.fold(0.0, f64::max);
-        let findings = [&named[..], &shapes].concat();
-        let rotation = rotate(problem, &selection, place, &findings, parts, progress);
         let gust = if ahead(&rotation) < CALM { gust(problem, fit) } else { None };
         let chosen = |finding: &Finding| {
             rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen_in_kind)
@@ -128,28 +120,50 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let of_the_hold = |finding: &Finding| {
             values(finding).is_some_and(|p| is_of_the_hold(problem, finding.effect, p, delay))
         };
-        let is_small = |(i, finding): &(usize, Finding)| {
-            let every = chosen(finding) >= rotation.parts.len();
-            *i > 0 && (is_minor(finding.share, every, clear(finding)) || immaterial[*i])
-                || mends(finding, &all[..*i])
+        let barred = |i: usize, finding: &Finding| {
+            mends(finding, &all[..i])
                 || accounted(finding)
                 || of_the_input(finding)
                 || of_the_hold(finding)
                 || values(finding).is_some_and(|p| is_event(finding.effect, p))
         };
-        let (small, named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
-        let [small, named] =
-            [small, named].map(|some| some.into_iter().map(|(_, f)| f).collect::<Vec<Finding>>());
-        let (mut named, mut small) = (named, small);
-        let mut names_alone = with_names_alone(problem, fit, &named, small.iter().chain(&shapes));
-        if let Some(alone) = &names_alone {
-            let turned = |finding: &mut Finding| turns_about(problem, fit, alone, finding.effect);
-            let turned: Vec<Finding> = named.extract_if(.., turned).collect();
-            if !turned.is_empty() {
-                small.extend(turned);
-                names_alone = with_names_alone(problem, fit, &named, small.iter().chain(&shapes));
+        let in_every = |finding: &Finding| chosen(finding) == rotation.parts.len();
+        let is_small = |(i, finding): &(usize, Finding)| {
+            let minor = is_minor(finding.share, in_every(finding), clear(finding));
+            *i > 0 && (minor || immaterial[*i]) || barred(*i, finding)
+        };
+        let (mut small, mut named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
+        let alone = |named: &[(usize, Finding)], small: &[(usize, Finding)]| {
+            with_names_alone(problem, fit, named, small.iter().map(|(_, f)| f).chain(&shapes))
+        };
+        let mut names_alone = alone(&named, &small);
+        // One without which the names give another gain, which a controller is designed by, is material, however little of the
+        // prediction it moves.
+        if names_alone.as_ref().is_some_and(|alone| is_another_gain(problem, fit, alone)) {
+            let stands =
+                |(i, finding): &(usize, Finding)| !barred(*i, finding) && in_every(finding) && clear(finding);
+            let promoted = (0..small.len()).filter(|&k| stands(&small[k])).find_map(|k| {
+                let (mut rest, mut with) = (small.clone(), named.clone());
+                with.push(rest.remove(k));
+                let fitted = alone(&with, &rest);
+                let kept = fitted.as_ref().is_none_or(|fitted| !is_another_gain(problem, fit, fitted));
+                kept.then_some((with, rest, fitted))
+            });
+            if let Some(promoted) = promoted {
+                (named, small, names_alone) = promoted;
             }
         }
+        if let Some(of_names) = &names_alone {
+            let turned =
+                |(_, finding): &mut (usize, Finding)| turns_about(problem, fit, of_names, finding.effect);
+            let turned: Vec<(usize, Finding)> = named.extract_if(.., turned).collect();
+            if !turned.is_empty() {
+                small.extend(turned);
+                names_alone = alone(&named, &small);
+            }
+        }
+        let [small, named] =
+            [small, named].map(|some| some.into_iter().map(|(_, f)| f).collect::<Vec<Finding>>());
         let grounds = Grounds {
             data_first: false,
             not_excited: false,
@@ -200,11 +214,63 @@ impl<'p, 'd> Judgement<'p, 'd> {
     }
 }
 
+/// What the model at `place` tells.
+struct Told {
+    place: usize,
+    /// Largest share first.
+    named: Vec<Finding>,
+    /// Which of these are not material.
+    immaterial: Vec<bool>,
+    shapes: Vec<Finding>,
+    rotation: Rotation,
+}
+
+/// The terms of the model at `place`, with the share of the motion that each closes (`closed_by`), each part held out in turn.
+fn told(
+    problem: &Problem<'_>,
+    selection: &Selection,
+    place: usize,
+    parts: &[Part],
+    closed_by: &impl Fn(usize) -> f64,
+    progress: &Progress<'_>,
+) -> Told {
+    let (named, shapes): (Vec<Finding>, Vec<Finding>) =
+        selection.findings(problem, place).into_iter().partition(|finding| finding.named);
+    // A sensor with little noise has nearly all of the evidence, beside what moves the vehicle more.
+    let all_closed = closed_by(place);
+    let with_rest = |finding: Finding| {
+        let by_rest = finding.without.map(closed_by);
+        let share = finding.share.max(by_rest.map_or(0.0, |rest| all_closed - rest));
+        let immaterial = by_rest.is_some_and(|rest| is_immaterial(finding.effect, all_closed, rest));
+        (Finding { share, ..finding }, immaterial)
+    };
+    let mut named: Vec<(Finding, bool)> = named.into_iter().map(with_rest).collect();
+    named.sort_by(|(a, _), (b, _)| b.share.total_cmp(&a.share));
+    let (named, immaterial): (Vec<Finding>, Vec<bool>) = named.into_iter().unzip();
+    let findings = [&named[..], &shapes].concat();
+    let rotation = rotate(problem, selection, place, &findings, parts, progress);
+    Told { place, named, immaterial, shapes, rotation }
+}
+
+impl Told {
+    /// The model without the least of the further names that no rotation chooses, nor a rival of it, and that all the same gives the
+    /// input another gain: without any one of the parts it is not seen, and what it says of the others is chance.
+    fn unfounded(&self, problem: &Problem<'_>, selection: &Selection) -> Option<usize> {
+        let fit = |place: usize| &selection.visited[place].fit;
+        let never = |finding: &&Finding| {
+            let gain = self.rotation.gain(finding.effect.about().id);
+            gain.is_some_and(|gain| gain.chosen_in_kind == 0)
+                && finding.without.is_some_and(|rest| is_another_gain(problem, fit(self.place), fit(rest)))
+        };
+        self.named.iter().skip(1).rev().find(never)?.without
+    }
+}
+
 /// The named terms of `fit` alone, fitted again; `None` without any, or without a `rest`.
 fn with_names_alone<'f>(
     problem: &Problem<'_>,
     fit: &Fit,
-    named: &[Finding],
+    named: &[(usize, Finding)],
     rest: impl Iterator<Item = &'f Finding>,
 ) -> Option<Fit> {
     let rest: Vec<usize> = rest.filter_map(|f| fit.position(f.effect.about().id)).collect();
@@ -242,6 +308,13 @@ fn mends(finding: &Finding, before: &[&'static dyn Effect]) -> bool {
 fn is_event(effect: &dyn Effect, values: &[f64]) -> bool {
     let at = |place: Option<usize>| values.get(place?).copied();
     at(effect.ends_at()).zip(at(effect.begins_at())).is_some_and(|(end, begin)| end - begin < BLOCK_S)
+}
+
+/// Whether ∂M/∂u of `other` is another one than that of `fit`.
+fn is_another_gain(problem: &Problem<'_>, fit: &Fit, other: &Fit) -> bool {
+    let gain = |fit: &Fit| problem.unpack(&fit.effects, &fit.minimum.values).plant.dm_du;
+    let factor = gain(other) / gain(fit);
+    !(1.0 / ANOTHER_GAIN..ANOTHER_GAIN).contains(&factor)
 }
 
 /// Whether an unknown of `effect` that may have either sign has the other one in `alone`, where the rest is left out: one of the

@@ -18,6 +18,8 @@ pub const WORTH_A_NAME: f64 = 0.03;
 pub const LAST_THOUSANDTH: f64 = 1e-3;
 /// Share of the error without it that a name may leave to be material all the same.
 pub const HALVED: f64 = 0.5;
+/// Factor by which ∂M/∂u is another one: a name without which it is counts as material, however little of the prediction it moves.
+pub const ANOTHER_GAIN: f64 = 1.2;
 /// Most terms that one diagnosis adds: the room for their states; the evidence ends the search before.
 pub const MOST_TERMS: usize = 5;
 /// Odds of a false alarm of one check of the data (one in 1,000 recordings).

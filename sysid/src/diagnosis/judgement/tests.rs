@@ -454,3 +454,15 @@ fn names_are_lost_in_a_loop_alone_and_only_where_nothing_of_the_input_is_seen() 
     assert_eq!(judged(&in_slow_air(3.0, 5.0, 0.96), true), (false, true, false));
     assert_eq!(judged(&in_slow_air(1.0, 1.8, 0.98), true), (false, false, true));
 }
+
+#[test]
+fn a_gain_is_another_one_a_fifth_away_or_with_the_other_sign() {
+    asked(&flight_with(1, |_, _, _| 0.0), |problem, fit| {
+        let other = |factor: f64| {
+            let mut other = fit.clone();
+            other.minimum.values[1] *= factor;
+            is_another_gain(problem, fit, &other)
+        };
+        assert_eq!([0.82, 0.85, 1.15, 1.25, -1.0].map(other), [true, false, false, true, true]);
+    });
+}
