@@ -35,6 +35,19 @@ fn is_named(id: &str) -> impl Fn(&Answer) -> bool + '_ {
     move |answer| answer.verdict == Verdict::Named && answer.effects.len() == 1 && answer.effects[0].id == id
 }
 
+/// Over the angles of a flight a straight spring is all but the same, and may be told beside it as less likely.
+#[test]
+fn gravity_is_named_or_told_before_a_straight_spring() {
+    let wanted = |answer: &Answer| {
+        let [effect] = &answer.effects[..] else { return false };
+        let rivals = effect.alternatives.iter().all(|rival| rival.id == "linear_stiffness");
+        matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous)
+            && effect.id == "gravity_stiffness"
+            && rivals
+    };
+    assert!(tally("gravity_stiffness", SEEDS, concealed("gravity_stiffness"), wanted) >= 9);
+}
+
 /// `id` at a size that costs five points of held-out VAF, on backgrounds that alternate between clean and lab.
 fn concealed(id: &'static str) -> impl Fn(u64) -> (Scenario, String) {
     move |seed| {
@@ -64,7 +77,6 @@ macro_rules! named {
 
 named! {
     dry_friction_is_named "coulomb_friction"
-    gravity_is_named "gravity_stiffness"
     a_servo_lag_is_named "servo_lag"
     an_extra_delay_is_named "extra_delay"
     quadratic_drag_is_named "quadratic_drag"

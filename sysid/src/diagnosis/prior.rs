@@ -6,7 +6,7 @@
 //!
 //! A term that says no more than two others together, as friction with another value each way, is believed a tenth as readily as
 //! they are: drives, sensors and weights have offsets on every rig. One that says all but the same as a single other, as a straight
-//! spring over small angles, is believed three hundredths as readily: what hangs on a pivot has its weight, and few a spring. Beside
+//! spring over small angles, is believed a hundredth as readily: what hangs on a pivot has its weight, and few a spring. Beside
 //! a spring that stiffens it is believed as readily: that one is straight before it stiffens.
 //!
 //! The constant moment that holds a craft aside is no further term: nine in ten such craft have one ([`super::another_zero`]).
@@ -24,7 +24,7 @@ pub const NAMED: f64 = 2.0 / 3.0;
 /// Prior odds of a term against others that say the same together.
 const RESTATED: f64 = 0.1;
 /// The same against a single one, that is more usual.
-const UNUSUAL: f64 = 0.03;
+const UNUSUAL: f64 = 0.01;
 /// The spring that stiffens.
 const STIFFENS: &str = "cubic_stiffness";
 
@@ -115,7 +115,7 @@ mod tests {
         let both =
             Candidates { named: effects(&["gravity_stiffness", "linear_stiffness"]), shapes: shapes() };
         let weight = of(&["gravity_stiffness"], &both);
-        assert!((of(&["linear_stiffness"], &both) - weight - 0.03_f64.ln()).abs() < 1e-12);
+        assert!((of(&["linear_stiffness"], &both) - weight - 0.01_f64.ln()).abs() < 1e-12);
         let beside = |id| of(&[id, "cubic_stiffness"], &both);
         assert!((beside("linear_stiffness") - beside("gravity_stiffness")).abs() < 1e-12);
         let alone = Candidates { named: effects(&["linear_stiffness"]), shapes: shapes() };

@@ -9,6 +9,7 @@ use super::levels::HORIZONS_S;
 use super::parts::Part;
 use super::past_alone::vaf_of_the_past_alone;
 use super::posterior::{Finding, Selection};
+use crate::catalogue::find;
 use crate::dataset::Place;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::{Fit, weights};
@@ -147,8 +148,11 @@ pub fn rotate(
             };
             let points = free(place, with) - free(finding.without.unwrap_or(place), less);
             let chosen = terms.contains(&finding.effect.about().id);
-            let in_kind =
-                chosen || finding.rivals.iter().any(|(rival, ..)| terms.contains(&rival.about().id));
+            let of_kind = |id: &&'static str| {
+                finding.rivals.iter().any(|(rival, ..)| rival.about().id == *id)
+                    || find(id).is_some_and(|other| all_but_the_same(other, finding.effect))
+            };
+            let in_kind = chosen || terms.iter().any(of_kind);
             gains.push(Turn { blocks, points, chosen, in_kind });
         }
         let others: Vec<Place> = parts
@@ -170,6 +174,11 @@ pub fn rotate(
     }
     let ids = findings.iter().map(|finding| finding.effect.about().id);
     Rotation { parts: rotations, gains: ids.zip(gains.iter().map(|turns| term_gain(turns))).collect() }
+}
+
+/// Whether one of the two says all but the same as the other, as a straight spring and gravity do over small angles.
+pub fn all_but_the_same(one: &dyn Effect, other: &dyn Effect) -> bool {
+    one.restates() == [other.about().id] || other.restates() == [one.about().id]
 }
 
 /// What one rotation says of a term.

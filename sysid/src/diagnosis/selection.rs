@@ -14,6 +14,7 @@ use super::excerpt::{carried, excerpt};
 use super::levels::MOST_TERMS;
 use super::posterior::{Selection, Visited, is_shape};
 use super::prior::log_prior;
+use super::rotation::all_but_the_same;
 use super::search::{Prospect, fit_one_more, screen};
 use crate::catalogue::roll_off::RollOff;
 use crate::catalogue::shapes::SHAPES;
@@ -312,8 +313,7 @@ impl Search<'_, '_> {
             for simpler in self.visit_instead(current, |general, e| general.generalises(e)) {
                 self.once_more(simpler, &self.candidates.named.clone());
             }
-            let said_by = |one: &dyn Effect, other: &dyn Effect| one.restates() == [other.about().id];
-            for other in self.visit_instead(current, |one, e| said_by(one, e) || said_by(e, one)) {
+            for other in self.visit_instead(current, all_but_the_same) {
                 self.visit_without(other);
             }
             self.visit_change_instead(current);
