@@ -1,6 +1,6 @@
 //! The motor's magnets pull towards preferred angles.
 
-use super::over_angle::{most_periods, ripples};
+use super::over_angle::{most_periods, ripples, turned};
 use crate::dataset::{Amplitudes, Dataset};
 use crate::model::baseline::Baseline;
 use crate::model::effect::{
@@ -34,7 +34,7 @@ impl Effect for Cogging {
         Some(Picture::Moment(Signal::Angle))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
-        let turned = data.turned.max(f64::MIN_POSITIVE);
+        let turned = turned(data);
         vec![
             Parameter {
                 name: "amplitude",
@@ -60,7 +60,7 @@ impl Effect for Cogging {
     }
     /// The two periods over the angle at which what is left stands out most from its surroundings.
     fn starts_from(&self, data: &Amplitudes, left: &ResidualMoment) -> Vec<Vec<f64>> {
-        let lowest = LEAST_PER_TURN.max(1.2 * PERIODS * TAU / data.turned.max(f64::MIN_POSITIVE));
+        let lowest = LEAST_PER_TURN.max(1.2 * PERIODS * TAU / turned(data));
         let start = |ripple: super::over_angle::Ripple| {
             let phase = (ripple.phase - 0.5 * TAU).rem_euclid(TAU) + 0.5 * TAU;
             vec![ripple.amplitude.max(1e-3 * data.moment), ripple.n, phase]

@@ -1,6 +1,6 @@
 //! The encoder's reading errs with the angle.
 
-use super::over_angle::{most_periods, ripples};
+use super::over_angle::{most_periods, ripples, turned};
 use crate::dataset::{Amplitudes, Dataset};
 use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Effect, Locus, Parameter, ResidualMoment, Scale};
@@ -30,7 +30,7 @@ impl Effect for EncoderError {
         }
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
-        let turned = data.turned.max(f64::MIN_POSITIVE);
+        let turned = turned(data);
         let lower = LEAST_PER_TURN.max(PERIODS * TAU / turned);
         vec![
             Parameter { name: "amplitude", unit: "rad", lower: 1e-5, upper: 0.3, scale: Scale::Log },
@@ -52,7 +52,7 @@ impl Effect for EncoderError {
     }
     /// The usual numbers of periods, and the two at which what is left stands out most over the angle.
     fn starts_from(&self, data: &Amplitudes, left: &ResidualMoment) -> Vec<Vec<f64>> {
-        let lowest = LEAST_PER_TURN.max(1.2 * PERIODS * TAU / data.turned.max(f64::MIN_POSITIVE));
+        let lowest = LEAST_PER_TURN.max(1.2 * PERIODS * TAU / turned(data));
         let left = ripples(data, left, lowest).into_iter().take(1);
         let further = left.flat_map(|ripple| from_any_phase(0.05 / ripple.n, ripple.n));
         self.starts(data).into_iter().chain(further).collect()

@@ -21,9 +21,14 @@ pub struct Ripple {
     pub phase: f64,
 }
 
+/// The angle that was turned through, rad; of one that rests, or is none, what leaves every range finite.
+pub fn turned(data: &Amplitudes) -> f64 {
+    data.turned.clamp(1e-3, 1e9)
+}
+
 /// Largest number of periods per turn that is looked for, where the angle turned through `turned` rad.
 pub fn most_periods(turned: f64) -> f64 {
-    0.4 * bins(turned) * TAU / turned.max(f64::MIN_POSITIVE)
+    0.4 * bins(turned) * TAU / turned
 }
 
 fn bins(turned: f64) -> f64 {
@@ -45,7 +50,7 @@ pub fn ripples(data: &Amplitudes, left: &ResidualMoment, lowest: f64) -> Vec<Rip
         }
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let apart = TAU / data.turned.max(f64::MIN_POSITIVE);
+    let apart = TAU / turned(data);
     let mut kept: Vec<Ripple> = Vec::new();
     for (_, ripple) in found {
         if kept.len() < 2 && kept.iter().all(|other| (other.n - ripple.n).abs() > apart) {
