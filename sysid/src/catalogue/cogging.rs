@@ -1,6 +1,7 @@
 //! The motor's magnets pull towards preferred angles.
 
-use super::over_angle::{most_periods, ripples, turned};
+use super::over_angle::{Ripple, most_periods, ripples, turned};
+use super::spectral_lines::{PHASE, amid};
 use crate::dataset::{Amplitudes, Dataset};
 use crate::model::baseline::Baseline;
 use crate::model::effect::{
@@ -50,8 +51,7 @@ impl Effect for Cogging {
                 upper: most_periods(turned),
                 scale: Scale::Linear(0.5 * TAU / turned),
             },
-            // Two turns, so that no phase stands at a bound.
-            Parameter { name: "phase", unit: "rad", lower: 0.0, upper: 2.0 * TAU, scale: Scale::Linear(0.5) },
+            PHASE,
         ]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
@@ -61,10 +61,8 @@ impl Effect for Cogging {
     /// The two periods over the angle at which what is left stands out most from its surroundings.
     fn starts_from(&self, data: &Amplitudes, left: &ResidualMoment) -> Vec<Vec<f64>> {
         let lowest = LEAST_PER_TURN.max(1.2 * PERIODS * TAU / turned(data));
-        let start = |ripple: super::over_angle::Ripple| {
-            let phase = (ripple.phase - 0.5 * TAU).rem_euclid(TAU) + 0.5 * TAU;
-            vec![ripple.amplitude.max(1e-3 * data.moment), ripple.n, phase]
-        };
+        let start =
+            |ripple: Ripple| vec![ripple.amplitude.max(1e-3 * data.moment), ripple.n, amid(ripple.phase)];
         ripples(data, left, lowest).into_iter().map(start).collect()
     }
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {

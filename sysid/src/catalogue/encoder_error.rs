@@ -1,6 +1,7 @@
 //! The encoder's reading errs with the angle.
 
 use super::over_angle::{most_periods, ripples, turned};
+use super::spectral_lines::PHASE;
 use crate::dataset::{Amplitudes, Dataset};
 use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Effect, Locus, Parameter, ResidualMoment, Scale};
@@ -38,11 +39,10 @@ impl Effect for EncoderError {
                 name: "n",
                 unit: "1",
                 lower,
-                upper: most_periods(turned).max(lower),
+                upper: most_periods(turned),
                 scale: Scale::Linear(0.5 * TAU / turned),
             },
-            // Two turns, so that no phase stands at a bound.
-            Parameter { name: "phase", unit: "rad", lower: 0.0, upper: 2.0 * TAU, scale: Scale::Linear(0.5) },
+            PHASE,
         ]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {

@@ -21,17 +21,10 @@ impl Effect for GravityStiffness {
         Some(Picture::Moment(Signal::Angle))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
-        let unit = 0.1 * data.moment / data.theta;
-        vec![Parameter {
-            name: "G",
-            unit: "N m",
-            lower: -50.0 * unit,
-            upper: 200.0 * unit,
-            scale: Scale::Linear(unit),
-        }]
+        vec![stiffness("G", "N m", data)]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
-        vec![vec![0.1 * data.moment / data.theta], vec![data.moment / data.theta]]
+        starts_of_stiffness(data)
     }
     fn within_sample(&self) -> bool {
         true
@@ -39,4 +32,15 @@ impl Effect for GravityStiffness {
     fn moment(&self, p: &[f64], _s: &[f64], _q: f64, theta: f64, _at: &Conditions) -> f64 {
         -p[0] * theta.sin()
     }
+}
+
+/// A stiffness of either sign, by the control moment over the angle.
+pub(super) fn stiffness(name: &'static str, unit: &'static str, data: &Amplitudes) -> Parameter {
+    let usual = 0.1 * data.moment / data.theta;
+    Parameter { name, unit, lower: -50.0 * usual, upper: 200.0 * usual, scale: Scale::Linear(usual) }
+}
+
+/// Where the search for one starts.
+pub(super) fn starts_of_stiffness(data: &Amplitudes) -> Vec<Vec<f64>> {
+    vec![vec![0.1 * data.moment / data.theta], vec![data.moment / data.theta]]
 }

@@ -1,7 +1,8 @@
 //! A spring that is straight.
 
+use super::gravity_stiffness::{starts_of_stiffness, stiffness};
 use crate::dataset::Amplitudes;
-use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
+use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Signal};
 
 /// M −= k θ. Over small angles gravity says the same, and is what a craft on a pivot has.
 pub struct LinearStiffness;
@@ -24,17 +25,10 @@ impl Effect for LinearStiffness {
         &["gravity_stiffness"]
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
-        let unit = 0.1 * data.moment / data.theta;
-        vec![Parameter {
-            name: "k",
-            unit: "N m/rad",
-            lower: -50.0 * unit,
-            upper: 200.0 * unit,
-            scale: Scale::Linear(unit),
-        }]
+        vec![stiffness("k", "N m/rad", data)]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
-        vec![vec![0.1 * data.moment / data.theta], vec![data.moment / data.theta]]
+        starts_of_stiffness(data)
     }
     fn within_sample(&self) -> bool {
         true

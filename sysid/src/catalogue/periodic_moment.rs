@@ -1,6 +1,6 @@
 //! A moment of one frequency: once per revolution, an imbalance.
 
-use super::spectral_lines::lines;
+use super::spectral_lines::{PHASE, amid, lines};
 use crate::dataset::Amplitudes;
 use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, ResidualMoment, Scale};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -41,8 +41,7 @@ impl Effect for PeriodicMoment {
                 upper: 0.4 / data.step,
                 scale: Scale::Linear(0.5 / data.duration),
             },
-            // Two turns, so that no phase stands at a bound.
-            Parameter { name: "phase", unit: "rad", lower: 0.0, upper: 2.0 * TAU, scale: Scale::Linear(0.5) },
+            PHASE,
         ]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
@@ -56,11 +55,7 @@ impl Effect for PeriodicMoment {
             let f_hz = line.frequency;
             for trails in TRAILS {
                 let phase = line.amplitude.arg() + FRAC_PI_2 - TAU * f_hz * left.start + trails;
-                starts.push(vec![
-                    line.amplitude.norm().max(1e-3 * data.moment),
-                    f_hz,
-                    (phase - 0.5 * TAU).rem_euclid(TAU) + 0.5 * TAU,
-                ]);
+                starts.push(vec![line.amplitude.norm().max(1e-3 * data.moment), f_hz, amid(phase)]);
             }
         }
         starts

@@ -1,5 +1,6 @@
 //! Lines that stand out of a spectrum.
 
+use crate::model::effect::{Parameter, Scale};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
@@ -10,6 +11,15 @@ const AROUND: usize = 40;
 const FINER: usize = 4;
 /// Lines this far apart, in units of one over the data's length, are not of one peak.
 const APART: usize = 3;
+
+/// A phase: over two turns, so that none stands at a bound.
+pub const PHASE: Parameter =
+    Parameter { name: "phase", unit: "rad", lower: 0.0, upper: 2.0 * TAU, scale: Scale::Linear(0.5) };
+
+/// `phase` within the turn in the middle of these two, to begin with.
+pub fn amid(phase: f64) -> f64 {
+    (phase - 0.5 * TAU).rem_euclid(TAU) + 0.5 * TAU
+}
 
 /// A line.
 pub struct Line {
