@@ -31,6 +31,9 @@ impl Effect for AsymmetricServo {
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
         vec![vec![0.1, 0.04], vec![0.04, 0.1]]
     }
+    fn moves_the_mean(&self) -> bool {
+        true
+    }
     fn states(&self) -> usize {
         1
     }

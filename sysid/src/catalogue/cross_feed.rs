@@ -38,6 +38,9 @@ impl Effect for CrossFeed {
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
         data.varies(|beside| beside.roll_command.as_deref())
     }
+    fn moves_the_mean(&self) -> bool {
+        true
+    }
     fn forcing(&self, p: &[f64], at: &Conditions) -> f64 {
         p[0] * at.roll_command
     }

@@ -109,3 +109,34 @@ pub const CATALOGUE: &[&dyn Effect] = &[
 pub fn find(id: &str) -> Option<&'static dyn Effect> {
     CATALOGUE.iter().copied().find(|effect| effect.about().id == id)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::effect::{Amplitudes, Conditions, Locus};
+
+    #[test]
+    fn of_a_command_that_goes_as_much_up_as_down_only_what_tells_them_apart_leaves_a_mean() {
+        let sizes =
+            Amplitudes { step: 0.01, u: 0.02, moment: 0.2, q: 0.3, theta: 0.1, ..Amplitudes::default() };
+        for effect in CATALOGUE {
+            if effect.about().locus != Locus::Actuator {
+                continue;
+            }
+            for p in effect.starts(&sizes) {
+                let mut states = vec![0.0; effect.states()];
+                // one period to settle and one to take the mean of
+                let answers: Vec<f64> = (0..400)
+                    .map(|k| {
+                        let u = if k % 200 < 100 { 0.02 } else { -0.02 };
+                        let at = Conditions { dt: 0.01, command: u, sizes, ..Conditions::default() };
+                        effect.actuate(&p, &mut states, u, &at)
+                    })
+                    .collect();
+                let mean = answers[200..].iter().sum::<f64>() / 200.0;
+                assert!(effect.moves_the_mean() || mean.abs() < 1e-4 * 0.02, "{}: {mean}", effect.about().id);
+            }
+        }
+        assert!(asymmetric_servo::AsymmetricServo.moves_the_mean() && !servo_lag::ServoLag.moves_the_mean());
+    }
+}

@@ -30,6 +30,9 @@ impl Effect for TrimOffset {
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
+    fn moves_the_mean(&self) -> bool {
+        true
+    }
     fn within_sample(&self) -> bool {
         true
     }

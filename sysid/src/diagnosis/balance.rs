@@ -21,7 +21,7 @@ use crate::compare::statistics::{self, Measured, judge};
 use crate::dataset::{Dataset, Run, pieces};
 use crate::estimate::{Estimate, digits};
 use crate::model::baseline::Baseline;
-use crate::model::effect::{Effect, Locus};
+use crate::model::effect::Effect;
 use crate::model::file::{EffectEntry, ModelFile};
 use crate::recording::InputUnit;
 use std::collections::BTreeMap;
@@ -93,7 +93,10 @@ impl Balance {
         let told = answer.effects.iter().any(|effect| effect.id == id)
             || matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous)
                 && predicts(answer)
-                && answer.effects.iter().any(|effect| moves_the_mean(&effect.id));
+                && answer
+                    .effects
+                    .iter()
+                    .any(|effect| find(&effect.id).is_none_or(|known| known.moves_the_mean()));
         let out =
             self.model.as_ref().filter(|m| m.difference.verdict == statistics::Verdict::Changed && !told);
         answer.balance = Some(BalanceAnswer {
@@ -219,21 +222,9 @@ fn mean_with_error(spans: &[f64]) -> Option<Measured> {
     (spans.len() >= SPANS[0]).then_some(Measured { value, deviation, freedom: count - 1.0 })
 }
 
-/// Whether an effect may hold the vehicle aside on average: what the blades make of a command, and what sensors make of the motion,
-/// is nothing where there is none.
-fn moves_the_mean(id: &str) -> bool {
-    find(id).is_none_or(|known| matches!(known.about().locus, Locus::PitchMoment | Locus::Environment))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn lags_and_sensors_hold_nothing_aside() {
-        let ids = ["gravity_stiffness", "asymmetric_friction", "unlisted", "servo_second_order", "gyro_bias"];
-        assert_eq!(ids.map(moves_the_mean), [true, true, true, false, false]);
-    }
 
     #[test]
     fn spans_that_hang_together_are_fewer() {

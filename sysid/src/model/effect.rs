@@ -243,6 +243,11 @@ pub trait Effect: Sync {
     fn of_thrust(&self) -> bool {
         false
     }
+    /// Whether it may hold the vehicle aside on average: what the blades make of a command that goes as much up as down, and what
+    /// sensors make of the motion, is nothing on average, unless it tells one direction from the other.
+    fn moves_the_mean(&self) -> bool {
+        matches!(self.about().locus, Locus::PitchMoment | Locus::Environment)
+    }
     /// Number of states of its own (0, 1 or 2).
     fn states(&self) -> usize {
         0
