@@ -361,6 +361,14 @@ fn rotor_reaction() {
 }
 
 #[test]
+fn asymmetric_thrust() {
+    for a in [0.24, -0.15] {
+        let mut concealed = Blade(move |now: &Now| now.u + a * now.u.abs());
+        finds("asymmetric_thrust", &[("a", a)], &[], &mut concealed);
+    }
+}
+
+#[test]
 fn thrust_dependence() {
     let mut concealed = Blade(|now: &Now| now.u * (1.0 + 0.7 * (now.thrust - 0.5) / 0.5));
     finds("thrust_dependence", &[("k", 0.7)], &[], &mut concealed);

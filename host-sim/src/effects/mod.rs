@@ -21,6 +21,7 @@ mod angle_lag;
 mod angle_skew;
 mod asymmetric_friction;
 mod asymmetric_servo;
+mod asymmetric_thrust;
 mod axis_misalignment;
 mod clock_skew;
 mod cogging;
@@ -124,6 +125,7 @@ pub const CATALOGUE: &[Entry] = &[
     periodic_moment::ENTRY,
     cogging::ENTRY,
     encoder_error::ENTRY,
+    asymmetric_thrust::ENTRY,
 ];
 
 /// Effects of the catalogue that no proof draws: a rest angle shows only beside a spring, and a straight spring is gravity over the
@@ -133,7 +135,6 @@ pub const UNDRAWN: &[Entry] = &[rest_angle::ENTRY, linear_stiffness::ENTRY];
 /// Physics that no catalogue has.
 pub const OUTSIDE: &[Entry] = &[
     outside::angle_damping::ENTRY,
-    outside::asymmetric_thrust::ENTRY,
     outside::rate_dependent_thrust::ENTRY,
     outside::servo_hunting::ENTRY,
     outside::command_quantiser::ENTRY,

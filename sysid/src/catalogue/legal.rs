@@ -18,6 +18,8 @@ const NARROWER: &[(&str, &str, [f64; 2])] = &[
     ("structural_mode", "zeta", [0.0, 0.999]),
     ("slung_load", "zeta", [0.0, 0.999]),
     ("inflow_lag", "g", [0.0, 1.0]),
+    // something must be left either way
+    ("asymmetric_thrust", "a", [-0.99, 0.99]),
     // something must be left to turn, and to be seen
     ("inertia_step", "delta", [-0.99, 1e3]),
     ("gyro_scale", "s", [-0.99, 1e3]),

@@ -4,6 +4,7 @@ mod angle_lag;
 mod angle_skew;
 mod asymmetric_friction;
 mod asymmetric_servo;
+mod asymmetric_thrust;
 mod axis_misalignment;
 mod clock_skew;
 mod cogging;
@@ -67,6 +68,7 @@ pub const CATALOGUE: &[&dyn Effect] = &[
     &servo_deadband::ServoDeadband,
     &trim_offset::TrimOffset,
     &thrust_curve::ThrustCurve,
+    &asymmetric_thrust::AsymmetricThrust,
     &inflow_lag::InflowLag,
     &effectiveness_fade::EffectivenessFade,
     &voltage_droop::VoltageDroop,

@@ -1,7 +1,6 @@
 //! Physics that no catalogue has.
 
 pub(super) mod angle_damping;
-pub(super) mod asymmetric_thrust;
 pub(super) mod command_quantiser;
 pub(super) mod gust_burst;
 pub(super) mod intermittent_delay;

@@ -2,12 +2,12 @@
 
 use super::{Effect, Entry, Parameter};
 
-pub(in crate::effects) const ENTRY: Entry = Entry {
+pub(super) const ENTRY: Entry = Entry {
     id: "asymmetric_thrust",
     locus: "actuator",
     parameters: &[Parameter { name: "a", unit: "-", range: [0.05, 0.5], signed: true }],
     moderate_and_strong: [0.15, 0.19],
-    near: &["trim_offset", "thrust_curve"],
+    near: &[],
     make: |values, _| Box::new(AsymmetricThrust(values[0])),
 };
 
@@ -15,6 +15,10 @@ pub(in crate::effects) const ENTRY: Entry = Entry {
 struct AsymmetricThrust(f64);
 
 impl Effect for AsymmetricThrust {
+    fn of_thrust(&self) -> bool {
+        true
+    }
+
     fn blade(&mut self, _t: f64, u: f64, _dt: f64) -> f64 {
         u + self.0 * u.abs()
     }
