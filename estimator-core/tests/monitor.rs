@@ -165,6 +165,19 @@ fn a_model_is_its_numbers_and_one_that_no_board_may_run_is_refused() {
 }
 
 #[test]
+fn a_refusal_says_what_is_wrong() {
+    let mut numbers = model().to_numbers();
+    numbers[17] = f32::INFINITY;
+    let told =
+        |numbers: [f32; NUMBERS]| MonitorModel::from_numbers(&numbers).map_err(|refusal| refusal.to_string());
+    assert_eq!(told(numbers), Err("number 17 of the model is not finite or too large".into()));
+    let growing = MonitorModel { transition: [[0.0; 4], [1.1, 0.0, 0.0, 0.0], [0.0; 4]], ..model() };
+    assert_eq!(told(growing.to_numbers()), Err("block 1 of the predictor is not stable".into()));
+    let slow = MonitorModel { lag: [0.0, 0.035], ..model() };
+    assert_eq!(told(slow.to_numbers()), Err("lag share lies outside its range".into()));
+}
+
+#[test]
 fn the_ends_of_a_range_belong_to_it() {
     type Set = fn(&mut MonitorModel, f32);
     let fields: [(&str, Set, [f32; 2]); 11] = [
