@@ -279,6 +279,20 @@ mod tests {
     }
 
     #[test]
+    fn nothing_settles_where_nothing_is_put_in() {
+        let lms = LmsConfig { taps: 8, ..LmsConfig::default() }.build::<8>().unwrap();
+        let meter = ConvergenceConfig::default().build().unwrap();
+        let mut state = ConvergenceState::default();
+        for _ in 0..1000 {
+            meter.step(&mut state, &lms, Update::default(), 0.0, [0.0, 0.0]);
+        }
+        assert_eq!((state.settling_low, state.settling_rest), (0.0, 0.0));
+        // with nothing to compare with, nothing is explained
+        let Convergence { gain_drift, innovation_ratio, .. } = meter.figures(&state);
+        assert_eq!((gain_drift, innovation_ratio), (1.0, 1.0));
+    }
+
+    #[test]
     fn without_input_nothing_is_claimed() {
         assert_eq!(learn(0.1, 0.02, 0.0).0.verdict, Verdict::NotExcited);
         assert_eq!(learn(0.1, 0.02, 0.002).0.verdict, Verdict::NotExcited);

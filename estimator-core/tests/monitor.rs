@@ -147,6 +147,25 @@ fn a_gust_that_sets_in_at_once_is_no_change() {
     }
 }
 
+/// Errors as the identified ones are air of strength 1, whether the angle is measured or not.
+#[test]
+fn usual_errors_are_usual_air_with_one_channel_and_with_two() {
+    for (theta_weight, theta_noise) in [(0.0, 0.0), (40.0, 1.0 / 40.0)] {
+        let whitening = [1.0 / NOISE, 0.0, theta_weight];
+        let still = MonitorModel { whitening, specific: 1.0, ..MonitorModel::EMPTY };
+        let monitor = MonitorConfig::default().build(&still).unwrap();
+        let (mut state, mut plant) = (monitor.initial_state(), Plant { q: 0.0, noise: 4 });
+        let mut sum = 0.0;
+        for tick in 0..10_000 {
+            let measured = Some([NOISE * plant.random(), theta_noise * plant.random()]);
+            sum += monitor.step(&mut state, &Observation { tick, measured, u_rad: 0.0 }).background;
+        }
+        // the larger of two means that scatter lies a little above
+        let mean = sum / 10_000.0;
+        assert!((1.0..1.15).contains(&mean), "{theta_weight}: {mean}");
+    }
+}
+
 #[test]
 fn a_model_is_its_numbers_and_one_that_no_board_may_run_is_refused() {
     let numbers = model().to_numbers();
