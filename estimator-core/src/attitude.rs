@@ -157,6 +157,43 @@ mod tests {
         assert_eq!(state.trim_rad, 0.0);
     }
 
+    /// Gains of 1 and a limit of 1/8: all values are exact.
+    fn of_ones() -> Attitude {
+        let config = AttitudeConfig {
+            angle_gain: 1.0,
+            integral_gain_per_s: 1.0,
+            rate_gain_s: 1.0,
+            output_limit_rad: 0.125,
+            reference_limit_rad: 1.0,
+        };
+        config.build().unwrap()
+    }
+
+    #[test]
+    fn the_integrator_rests_only_beyond_the_limit_and_outward() {
+        let moved = |theta_rad, q_rad_s| {
+            let mut state = AttitudeState::default();
+            (of_ones().step(&mut state, 0.0, theta_rad, q_rad_s), state.trim_rad)
+        };
+        assert_eq!(moved(-0.125, 0.0), (0.125, 0.125 * SAMPLE_PERIOD_S), "on the limit");
+        assert_eq!(moved(-0.125_f32.next_up(), 0.0), (0.125, 0.0));
+        assert_eq!(moved(0.125_f32.next_up(), 0.0), (-0.125, 0.0));
+        // beyond the limit by the rate alone, and the angle asks for less
+        assert_eq!(moved(0.25, -1.0), (0.125, -0.25 * SAMPLE_PERIOD_S));
+    }
+
+    #[test]
+    fn the_trim_ends_at_the_limit_of_the_output() {
+        for side in [-1.0, 1.0] {
+            let mut state = AttitudeState::default();
+            // the rate takes the angle's part away: the command is the trim
+            (0..200).for_each(|_| {
+                of_ones().step(&mut state, 0.0, -0.5 * side, 0.5 * side);
+            });
+            assert_eq!(state.trim_rad, 0.125 * side);
+        }
+    }
+
     #[test]
     fn the_reference_is_clipped() {
         let attitude = AttitudeConfig::default().build().unwrap();

@@ -240,6 +240,59 @@ mod tests {
     }
 
     #[test]
+    fn a_threshold_itself_is_met() {
+        let config = ConvergenceConfig {
+            settled: 4.0,
+            max_gain_drift: 0.25,
+            max_innovation_ratio: 0.5,
+            min_input_rms_rad: 0.0625,
+        };
+        let meter = config.build().unwrap();
+        let at = ConvergenceState {
+            error_power: 1.0,
+            output_power: 2.0,
+            input_power: 0.0625 * 0.0625,
+            settling_low: 4.0,
+            settling_rest: 4.0,
+            gain: -1.0,
+            gain_mean: -0.75,
+            updates: WARM_UP,
+        };
+        let verdict = |state| meter.figures(&state).verdict;
+        assert_eq!(verdict(at), Verdict::Converged);
+        for short in [
+            ConvergenceState { settling_low: 4.0_f32.next_down(), ..at },
+            ConvergenceState { settling_rest: 4.0_f32.next_down(), ..at },
+            ConvergenceState { error_power: 1.0_f32.next_up(), ..at },
+            ConvergenceState { gain_mean: -0.7499, ..at },
+            // the mean may be the larger one too
+            ConvergenceState { gain: -0.7499, gain_mean: -1.0, ..at },
+        ] {
+            assert_eq!(verdict(short), Verdict::Converging, "{short:?}");
+        }
+        for early in [
+            ConvergenceState { input_power: at.input_power.next_down(), ..at },
+            ConvergenceState { updates: WARM_UP - 1, ..at },
+        ] {
+            assert_eq!(verdict(early), Verdict::NotExcited, "{early:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_settles_where_nothing_is_put_in() {
+        let lms = LmsConfig { taps: 8, ..LmsConfig::default() }.build::<8>().unwrap();
+        let meter = ConvergenceConfig::default().build().unwrap();
+        let mut state = ConvergenceState::default();
+        for _ in 0..1000 {
+            meter.step(&mut state, &lms, Update::default(), 0.0, [0.0, 0.0]);
+        }
+        assert_eq!((state.settling_low, state.settling_rest), (0.0, 0.0));
+        // with nothing to compare with, nothing is explained
+        let Convergence { gain_drift, innovation_ratio, .. } = meter.figures(&state);
+        assert_eq!((gain_drift, innovation_ratio), (1.0, 1.0));
+    }
+
+    #[test]
     fn without_input_nothing_is_claimed() {
         assert_eq!(learn(0.1, 0.02, 0.0).0.verdict, Verdict::NotExcited);
         assert_eq!(learn(0.1, 0.02, 0.002).0.verdict, Verdict::NotExcited);

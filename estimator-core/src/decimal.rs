@@ -106,7 +106,11 @@ mod tests {
         let expected =
             ["0.0123457", "0.1", "0.0999999", "1", "10", "33554432", "536870912", "500000000", "0.25"];
         assert_eq!(found, expected);
-        assert_eq!(Decimal(1.234_567_9).to_string(), "1.23457");
+        let tens = [1.234_567_9, 10.123_456, 123.456_78, 1_234.567_9, 12_345.678, 99_999.96];
+        assert_eq!(
+            tens.map(|value| Decimal(value).to_string()),
+            ["1.23457", "10.1235", "123.457", "1234.57", "12345.7", "100000"]
+        );
         let wild = [f32::NAN, f32::NEG_INFINITY, 1e30, f32::MAX, f32::MIN_POSITIVE];
         assert_eq!(
             wild.map(|value| Decimal(value).to_string()),

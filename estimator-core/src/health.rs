@@ -195,6 +195,30 @@ mod tests {
     }
 
     #[test]
+    fn the_range_itself_can_be_read_and_the_channel_beyond_it_is_named() {
+        let read = |q_rad_s: f32, theta_rad: f32| {
+            let health = Health { lost_ticks: 1, ..HEALTH };
+            let sample = Sample { time_us: 0, q_rad_s, theta_rad };
+            health.check(&mut HealthState::default(), 0, 0, Some(sample)).err()
+        };
+        let beyond = |channel| Some(Fault::OutOfRange { channel, ticks: 1 });
+        let (q, theta) = (MAX_RATE_RAD_S, MAX_ANGLE_RAD);
+        assert_eq!((read(q, -theta), read(-q, theta)), (None, None));
+        assert_eq!(read(-q.next_up(), theta), beyond(Channel::PitchRate));
+        assert_eq!(read(q, -theta.next_up()), beyond(Channel::PitchAngle));
+    }
+
+    #[test]
+    fn without_the_check_for_frozen_samples_they_may_stand_for_ever() {
+        let health = Health { frozen_samples: 0, ..HEALTH };
+        let mut state = HealthState::default();
+        for tick in 0..2000 {
+            let sample = Sample { time_us: u64::from(tick) * 20_000, ..sample(1) };
+            assert_eq!(health.check(&mut state, tick, sample.time_us, Some(sample)), Ok(Some(sample)));
+        }
+    }
+
+    #[test]
     fn nan_and_infinity_are_faults_at_once() {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             let found = check(&mut HealthState::default(), 0, Some(Sample { theta_rad: bad, ..sample(0) }));

@@ -134,18 +134,17 @@ impl<const N: usize> NormalizedLms<N> {
     pub fn observe(&self, state: &mut LmsState<N>, q: f32, adapt: bool) -> Update {
         let LmsState { taps, line, prediction, passed } = state;
         let error = q - *prediction;
-        *passed = true;
         let gain = self.step * error / (self.regularisation + line.energy());
-        if !adapt || !gain.is_finite() {
-            *prediction = pass(taps, line.regressor(self.taps), |w, _| w);
-            return Update { error, gain: 0.0 };
-        }
-        *prediction = if self.keep == 1.0 {
-            pass(taps, line.regressor(self.taps), |w, x| w + gain * x)
+        let moves = adapt && gain.is_finite();
+        *prediction = if !moves {
+            pass(taps, line, self.taps, |w, _| w)
+        } else if self.keep == 1.0 {
+            pass(taps, line, self.taps, |w, x| w + gain * x)
         } else {
-            pass(taps, line.regressor(self.taps), |w, x| self.keep * w + gain * x)
+            pass(taps, line, self.taps, |w, x| self.keep * w + gain * x)
         };
-        Update { error, gain }
+        *passed = true;
+        Update { error, gain: if moves { gain } else { 0.0 } }
     }
 
     /// Takes the u\[k\] (rad) truly sent to the servo. Called once per tick, after [`Self::observe`], also where there was
@@ -163,7 +162,7 @@ impl<const N: usize> NormalizedLms<N> {
     #[cold]
     #[inline(never)]
     fn look_ahead(&self, state: &mut LmsState<N>) {
-        state.prediction = pass(&mut state.taps, state.line.regressor(self.taps), |w, _| w);
+        state.prediction = pass(&mut state.taps, &state.line, self.taps, |w, _| w);
     }
 }
 
@@ -171,9 +170,14 @@ impl<const N: usize> NormalizedLms<N> {
 ///
 /// A function of its own: inlined, the compiler addresses both slices from the state's beginning, too far for one instruction.
 #[inline(never)]
-fn pass(w: &mut [f32], x: &[f32], change: impl Fn(f32, f32) -> f32) -> f32 {
+fn pass<const N: usize>(
+    w: &mut [f32; N],
+    line: &DelayLine<N>,
+    length: usize,
+    change: impl Fn(f32, f32) -> f32,
+) -> f32 {
     // never taken; written so that both lengths are known to be one
-    let Some(w) = w.get_mut(..x.len()) else { return 0.0 };
+    let (Some(w), Some(x)) = (w.get_mut(..length), line.regressor(length)) else { return 0.0 };
     let (w8, w_rest) = w.as_chunks_mut::<8>();
     let (x8, x_rest) = x.as_chunks::<8>();
     let mut sums = [0.0_f32; 8];
@@ -263,7 +267,11 @@ mod tests {
             s[i % 8] += moved[i] * x[i - 1];
         }
         let expected = ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
-        assert_eq!(pass(&mut w, &x, |w, _| 0.5 * w).to_bits(), expected.to_bits());
+        let mut line = DelayLine::new();
+        x.iter().rev().for_each(|x| {
+            line.push(*x, 0, 11);
+        });
+        assert_eq!(pass(&mut w, &line, 11, |w, _| 0.5 * w).to_bits(), expected.to_bits());
         assert_eq!(w, moved);
     }
 
@@ -274,7 +282,8 @@ mod tests {
             LmsConfig { step: 0.7, input_delay: 1, taps: 19, ..LmsConfig::default() }.build::<19>().unwrap();
         let (mut state, mut seed) = (LmsState::default(), 3);
         for k in 0..500 {
-            let expected: f32 = state.taps().iter().zip(state.line().regressor(19)).map(|(w, x)| w * x).sum();
+            let expected: f32 =
+                state.taps().iter().zip(state.line().regressor(19).unwrap()).map(|(w, x)| w * x).sum();
             if k % 7 != 3 {
                 let error = lms.observe(&mut state, 1.0, k % 5 != 0).error;
                 assert!((error - (1.0 - expected)).abs() < 1e-5, "{k}: {error} {expected}");

@@ -167,6 +167,17 @@ mod tests {
     }
 
     #[test]
+    fn a_dwell_of_whole_ticks_lasts_so_many_and_the_first_too() {
+        for (dwell_s, ticks) in [(0.02, 1), (0.4, 20)] {
+            let levels = sequence(&prbs(dwell_s, dwell_s), 2, 0, 10 * ticks);
+            for (k, level) in levels.iter().enumerate() {
+                let expected = if k / ticks % 2 == 0 { levels[0] } else { -levels[0] };
+                assert_eq!(*level, expected, "{dwell_s} s, tick {k}");
+            }
+        }
+    }
+
+    #[test]
     fn same_seed_same_sequence_and_other_streams_differ() {
         let prbs = prbs(0.05, 0.1);
         assert_eq!(sequence(&prbs, 5, 1, 2000), sequence(&prbs, 5, 1, 2000));

@@ -412,6 +412,19 @@ mod tests {
     }
 
     #[test]
+    fn a_sample_is_acted_on_up_to_its_greatest_age() {
+        let supervisor =
+            SupervisorConfig { max_age_s: 0.015, ..SupervisorConfig::default() }.build().unwrap();
+        let used = |age_us: u64| {
+            let sample = Some(Sample { time_us: 100_000, q_rad_s: 0.0, theta_rad: 0.0 });
+            let now_us = 100_000 + age_us;
+            let input = Input { tick: 0, now_us, sample, theta_ref_rad: 0.0, command: Command::None };
+            supervisor.step(&mut SupervisorState::default(), &input, false).sample.is_some()
+        };
+        assert!(used(0) && used(15_000) && !used(15_001));
+    }
+
+    #[test]
     fn without_a_sample_an_idle_vehicle_is_neutral() {
         let supervisor = SupervisorConfig::default().build().unwrap();
         let mut state = SupervisorState::default();

@@ -2,7 +2,9 @@
 
 use estimator_core::constants::TAPS;
 use estimator_core::plan::PlanConfig;
-use estimator_core::{Command, Config, Cycle, CycleState, Event, Input, Phase, Sample, Section, Telemetry};
+use estimator_core::{
+    Command, Config, Cycle, CycleState, Event, Input, Phase, Sample, Section, Telemetry, Vehicle, fly,
+};
 use proptest::prelude::*;
 
 const TRIP_RAD: f32 = 0.40;
@@ -174,6 +176,52 @@ fn the_operator_and_a_frozen_gyro_end_a_test_with_their_cause() {
     assert_eq!((last.tick, last.u_rad), (49, 0.0));
     let Some(event @ Event::Aborted(_)) = last.event else { panic!("{:?}", last.event) };
     assert_eq!(event.to_string(), "aborted: pitch rate unchanged for 10 samples");
+}
+
+/// A vehicle that is moved by what it is told and keeps every report.
+struct Recorder<F> {
+    moves: F,
+    start_at: u32,
+    u: f32,
+    reports: Vec<Telemetry>,
+}
+
+impl<F: FnMut(u32, f32) -> Option<(f32, f32)>> Vehicle for Recorder<F> {
+    fn sense(&mut self, tick: u32) -> Input {
+        let now_us = u64::from(tick) * 20_000;
+        let sample = (self.moves)(tick, self.u).map(|(theta_rad, q_rad_s)| Sample {
+            time_us: now_us,
+            q_rad_s,
+            theta_rad,
+        });
+        let command = if tick == self.start_at { Command::Start } else { Command::None };
+        Input { tick, now_us, sample, theta_ref_rad: 0.2, command }
+    }
+
+    fn actuate(&mut self, u_rad: f32) {
+        self.u = u_rad;
+    }
+
+    fn emit(&mut self, telemetry: &Telemetry) {
+        assert_eq!(telemetry.u_rad, self.u, "what is reported has been sent");
+        self.reports.push(*telemetry);
+    }
+}
+
+#[test]
+fn a_vehicle_is_flown_from_the_wait_for_its_start_to_the_end() {
+    let cycle = short_test(5).build::<TAPS>().unwrap();
+    let (mut state, start_at) = (cycle.initial_state(), 20);
+    // hardly moves, so there is nothing to recover from
+    let moves = |tick, _| Some((1e-4 * (tick % 5) as f32, 1e-4 * (tick % 7) as f32));
+    let mut vehicle = Recorder { moves, start_at, u: 0.0, reports: Vec::new() };
+    assert_eq!(fly(&cycle, &mut state, &mut vehicle), Phase::Done);
+    // lead-in, three sections, two pauses between them and one before IV, and the tick that finds nothing left
+    let ticks = start_at + 10 + 3 * 150 + 3 * 20 + 100;
+    let found: Vec<u32> = vehicle.reports.iter().map(|report| report.tick).collect();
+    assert!(found.iter().copied().eq(0..=ticks), "{} cycles, {ticks} expected", found.len());
+    let idle = vehicle.reports.iter().take_while(|report| report.phase == Phase::Idle).count();
+    assert_eq!(idle, start_at as usize);
 }
 
 #[test]

@@ -147,6 +147,25 @@ fn a_gust_that_sets_in_at_once_is_no_change() {
     }
 }
 
+/// Errors as the identified ones are air of strength 1, whether the angle is measured or not.
+#[test]
+fn usual_errors_are_usual_air_with_one_channel_and_with_two() {
+    for (theta_weight, theta_noise) in [(0.0, 0.0), (40.0, 1.0 / 40.0)] {
+        let whitening = [1.0 / NOISE, 0.0, theta_weight];
+        let still = MonitorModel { whitening, specific: 1.0, ..MonitorModel::EMPTY };
+        let monitor = MonitorConfig::default().build(&still).unwrap();
+        let (mut state, mut plant) = (monitor.initial_state(), Plant { q: 0.0, noise: 4 });
+        let mut sum = 0.0;
+        for tick in 0..10_000 {
+            let measured = Some([NOISE * plant.random(), theta_noise * plant.random()]);
+            sum += monitor.step(&mut state, &Observation { tick, measured, u_rad: 0.0 }).background;
+        }
+        // the larger of two means that scatter lies a little above
+        let mean = sum / 10_000.0;
+        assert!((1.0..1.15).contains(&mean), "{theta_weight}: {mean}");
+    }
+}
+
 #[test]
 fn a_model_is_its_numbers_and_one_that_no_board_may_run_is_refused() {
     let numbers = model().to_numbers();
@@ -162,6 +181,84 @@ fn a_model_is_its_numbers_and_one_that_no_board_may_run_is_refused() {
     assert!(matches!(MonitorModel { gain: 0.0, ..model() }.check(), Err(Refusal::Range { name: "gain" })));
     let config = MonitorConfig { run_length_h: f32::NAN, ..MonitorConfig::default() };
     assert!(config.build(&model()).is_err());
+}
+
+#[test]
+fn a_refusal_says_what_is_wrong() {
+    let mut numbers = model().to_numbers();
+    numbers[17] = f32::INFINITY;
+    let told =
+        |numbers: [f32; NUMBERS]| MonitorModel::from_numbers(&numbers).map_err(|refusal| refusal.to_string());
+    assert_eq!(told(numbers), Err("number 17 of the model is not finite or too large".into()));
+    let growing = MonitorModel { transition: [[0.0; 4], [1.1, 0.0, 0.0, 0.0], [0.0; 4]], ..model() };
+    assert_eq!(told(growing.to_numbers()), Err("block 1 of the predictor is not stable".into()));
+    let slow = MonitorModel { lag: [0.0, 0.035], ..model() };
+    assert_eq!(told(slow.to_numbers()), Err("lag share lies outside its range".into()));
+}
+
+#[test]
+fn the_ends_of_a_range_belong_to_it() {
+    type Set = fn(&mut MonitorModel, f32);
+    let fields: [(&str, Set, [f32; 2]); 11] = [
+        ("specific", |m, value| m.specific = value, [0.0, 1.0]),
+        ("gain", |m, value| m.gain = value, [1e-6, 1e8]),
+        ("gain", |m, value| m.gain = -value, [1e-6, 1e8]),
+        ("delay_samples", |m, value| m.delay_samples = value, [0.0, 15.0]),
+        ("delay_fraction", |m, value| m.delay_fraction = value, [0.0, 1.0]),
+        ("lag share", |m, value| m.lag[0] = value, [1e-3, 1.0]),
+        ("lag length", |m, value| m.lag[1] = value, [1e-3, 10.0]),
+        ("friction_rate", |m, value| m.friction_rate = value, [1e-6, 1e8]),
+        ("dead_zone", |m, value| m.tests[7].dead_zone = value, [0.0, 1e8]),
+        ("calibration", |m, value| m.tests[0].calibration = value, [0.1, 1e3]),
+        ("onset", |m, value| m.tests[3].onset[1] = value, [0.0, 1.0]),
+    ];
+    for (name, set, [low, high]) in fields {
+        let with = |value| {
+            let mut model = model();
+            set(&mut model, value);
+            model.check()
+        };
+        assert_eq!((with(low), with(high)), (Ok(()), Ok(())), "{name}");
+        assert_eq!(with(low.next_down()), Err(Refusal::Range { name }));
+        // beyond 10⁸ it is no number of a model, whatever it means
+        let beyond = with(high.next_up());
+        assert!(
+            matches!(beyond, Err(Refusal::Range { name: told }) if told == name)
+                || high == 1e8 && matches!(beyond, Err(Refusal::Number { .. })),
+            "{name}: {beyond:?}"
+        );
+    }
+}
+
+/// A block is stable where both of its poles lie within the unit circle, wherever in it.
+#[test]
+fn a_block_is_refused_from_the_unit_circle_on() {
+    let check = |block: [f32; 4]| MonitorModel { transition: [[0.0; 4], [0.0; 4], block], ..model() }.check();
+    let refused = Err(Refusal::Unstable { block: 2 });
+    for (first, second) in [(0.9_f32, -0.9_f32), (0.99, 0.99), (-0.99, -0.99), (0.99, 0.0), (-0.5, 0.25)] {
+        // poles on the diagonal, and the same poles in companion form
+        let (sum, product) = (first + second, first * second);
+        for scale in [1.0_f32, 1.02] {
+            let expected = if scale * first.abs().max(second.abs()) < 1.0 { Ok(()) } else { refused };
+            assert_eq!(
+                check([scale * first, 0.0, 0.0, scale * second]),
+                expected,
+                "{first} {second} {scale}"
+            );
+            let companion = [scale * sum, -scale * scale * product, 1.0, 0.0];
+            assert_eq!(check(companion), expected, "{first} {second} {scale}");
+        }
+    }
+    // a pair r e^(±iφ)
+    for angle in [0.3_f32, 1.5, 2.8] {
+        let turned = |r: f32| [r * angle.cos(), -r * angle.sin(), r * angle.sin(), r * angle.cos()];
+        assert_eq!((check(turned(0.99)), check(turned(1.01))), (Ok(()), refused));
+    }
+    for pole in [1.0, -1.0] {
+        assert_eq!(check([pole, 0.0, 0.0, 0.0]), refused);
+        assert_eq!(check([pole, 0.0, 0.0, pole]), refused);
+    }
+    assert_eq!(check([0.0, -1.0, 1.0, 0.0]), refused);
 }
 
 proptest! {

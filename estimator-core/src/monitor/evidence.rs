@@ -168,6 +168,23 @@ mod tests {
         }
     }
 
+    /// A craft at rest excites nothing: its blocks hold neither score nor information.
+    #[test]
+    fn what_holds_nothing_says_nothing() {
+        let mut evidence = Evidence::default();
+        for tick in 0..100 {
+            assert_eq!(evidence.take(&TEST, 0.0, 0.0, 1.0, 1.0, tick), 0.0);
+            assert_eq!(evidence.best(), &Finding { since: tick, ..Finding::default() });
+        }
+        assert_eq!(evidence.spread, [0.0; 2]);
+        evidence.take(&TEST, 5.0, 10.0, 1.0, 1.0, 100);
+        assert_eq!(evidence.best().since, 99);
+        // traces so small that their squares are zero
+        let mut evidence = Evidence::default();
+        evidence.take(&TEST, 1e-22, 0.0, 1.0, 1.0, 7);
+        assert_eq!(evidence.best(), &Finding { since: 7, ..Finding::default() });
+    }
+
     #[test]
     fn a_cause_that_is_gone_loses_its_evidence() {
         let mut evidence = Evidence::default();
