@@ -66,10 +66,11 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let gained_by_names = gain(selection.named);
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
         let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
-        let baseline = LazyCell::new(|| vaf_ahead(problem, &selection, selection.baseline, &sections));
+        let ahead_by = |place: usize| vaf_ahead(problem, &selection.visited[place].fit, &sections);
+        let baseline = LazyCell::new(|| ahead_by(selection.baseline));
         let closed_by = |place: usize| match place == selection.baseline {
             true => 0.0,
-            false => closed(*baseline, vaf_ahead(problem, &selection, place, &sections)),
+            false => closed(*baseline, ahead_by(place)),
         };
         let closed = closed_by(selection.named);
         // Names that close little give way to what closes more; names that leave next to nothing do not give way to shapes that
@@ -242,7 +243,13 @@ fn told(
         let by_rest = finding.without.map(closed_by);
         let share = finding.share.max(by_rest.map_or(0.0, |rest| all_closed - rest));
         let immaterial = by_rest.is_some_and(|rest| is_immaterial(finding.effect, all_closed, rest));
-        (Finding { share, ..finding }, immaterial)
+        // A rival that holds the name as its special case and closes no more says the same.
+        let (same, rivals): (Vec<_>, Vec<_>) = finding.rivals.into_iter().partition(|(rival, _, at)| {
+            rival.generalises(finding.effect) && is_immaterial(*rival, closed_by(*at), all_closed)
+        });
+        let probability =
+            finding.probability + same.iter().map(|(_, probability, _)| probability).sum::<f64>();
+        (Finding { share, rivals, probability, ..finding }, immaterial)
     };
     let mut named: Vec<(Finding, bool)> = named.into_iter().map(with_rest).collect();
     named.sort_by(|(a, _), (b, _)| b.share.total_cmp(&a.share));

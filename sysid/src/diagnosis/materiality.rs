@@ -1,21 +1,14 @@
 //! Significant is not material: how much of the motion a model closes, and whether a name is worth telling.
 
 use super::levels::{HALVED, HELD_OUT_ERRORS, HORIZONS_S, LAST_THOUSANDTH};
-use super::posterior::Selection;
 use crate::dataset::Place;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::{Effect, Locus};
 
-/// VAF of predictions at the longest horizon by the model at `place`, per cent; `None` where no such prediction is finite.
-pub fn vaf_ahead(
-    problem: &Problem<'_>,
-    selection: &Selection,
-    place: usize,
-    sections: &[Place],
-) -> Option<f64> {
-    let Fit { effects, minimum } = &selection.visited[place].fit;
+/// VAF of predictions at the longest horizon by a fitted model, per cent; `None` where no such prediction is finite.
+pub fn vaf_ahead(problem: &Problem<'_>, Fit { effects, minimum }: &Fit, sections: &[Place]) -> Option<f64> {
     let unpacked = problem.unpack(effects, &minimum.values);
     horizon_vaf(problem, &unpacked, sections, &HORIZONS_S)?.last().map(|(vaf, _)| *vaf)
 }
@@ -61,7 +54,7 @@ mod tests {
             let places = problem.data.places();
             let Fit { effects, minimum } = &models.visited[1].fit;
             let all = horizon_vaf(problem, &problem.unpack(effects, &minimum.values), &places, &HORIZONS_S);
-            let [before, after] = [0, 1].map(|place| vaf_ahead(problem, &models, place, &places));
+            let [before, after] = [0, 1].map(|place| vaf_ahead(problem, &models.visited[place].fit, &places));
             assert_eq!(after, Some(all.unwrap().last().unwrap().0));
             assert!(after > before.map(|vaf| vaf + 3.0), "{before:?} {after:?}");
         });

@@ -28,6 +28,7 @@ use crate::progress::{Progress, Step};
 use rayon::prelude::*;
 
 mod drift;
+mod simpler;
 
 /// Candidates from whose noise models the model before is fitted again: one that has not settled makes every candidate look
 /// good.
@@ -139,6 +140,7 @@ fn searched(mut search: Search<'_, '_>, baseline: Fit) -> Option<Selection> {
     let baseline = search.rounds.first().map_or(current, |round| round.before);
     search.begin("dropping and exchanging effects".into());
     let named = search.exchange(current);
+    let named = search.simplest(named, baseline);
     search.begin("trying terms without a name".into());
     let extended = search.with_shapes(named);
     if named != baseline {

@@ -199,7 +199,8 @@ fn a_names_share_is_that_of_the_motion_where_it_is_more_than_that_of_the_evidenc
     let change = |models: &mut Selection| models.visited[0].log_prior -= 1e6;
     judged_of(&flown, &sets, false, change, |judgement| {
         let sections: Vec<_> = judgement.parts.iter().flat_map(|part| part.places.clone()).collect();
-        let ahead = |place: usize| vaf_ahead(judgement.problem, &judgement.selection, place, &sections);
+        let ahead =
+            |place: usize| vaf_ahead(judgement.problem, &judgement.selection.visited[place].fit, &sections);
         let [_, stiff, drag, all] = [0, 1, 2, 3].map(|place| closed(ahead(0), ahead(place)));
         for (id, by_hand) in [("gravity_stiffness", all - drag), ("quadratic_drag", all - stiff)] {
             let found = judgement.named.iter().chain(&judgement.small).find(|f| f.effect.about().id == id);
