@@ -1,6 +1,7 @@
 //! A number with a unit and an interval: the only form in which estimates leave this crate.
 
 use serde::Serialize;
+use std::fmt;
 
 /// An estimate with its 95 % interval.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -15,6 +16,10 @@ pub struct Estimate {
     pub ci95: [f64; 2],
 }
 
+/// Significant digits of what is told.
+const LEAST_DIGITS: i32 = 3;
+/// The same where an interval is narrow.
+const MOST_DIGITS: i32 = 6;
 /// Quantile of the normal distribution for a two-sided 95 % interval.
 pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
@@ -25,18 +30,39 @@ impl Estimate {
         let ci95 = [(value - reach).max(bounds[0]), (value + reach).min(bounds[1])];
         Self { name: name.into(), unit: unit.into(), value, ci95 }
     }
+
+    /// The value and the ends of the interval: in three significant digits, or in as many, up to six, as tell them apart.
+    fn in_digits(&self) -> [String; 3] {
+        let all = [self.value, self.ci95[0], self.ci95[1]];
+        let apart = |told: &[String; 3]| (1..3).all(|end| all[end] == all[0] || told[end] != told[0]);
+        let mut told = (LEAST_DIGITS..MOST_DIGITS).map(|count| all.map(|x| significant(x, count)));
+        told.find(apart).unwrap_or_else(|| all.map(|x| significant(x, MOST_DIGITS)))
+    }
+}
+
+/// "Mc = 0.113 N m (95 %: 0.107 to 0.119)".
+impl fmt::Display for Estimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        let [value, low, high] = self.in_digits();
+        write!(f, "{} = {value}{unit} (95 %: {low} to {high})", self.name)
+    }
 }
 
 /// Three significant digits.
 pub fn digits(x: f64) -> String {
+    significant(x, LEAST_DIGITS)
+}
+
+fn significant(x: f64, count: i32) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}");
     }
     let magnitude = x.abs().log10().floor() as i32;
     if (-4..5).contains(&magnitude) {
-        format!("{x:.*}", usize::try_from(2 - magnitude).unwrap_or(0))
+        format!("{x:.*}", usize::try_from(count - 1 - magnitude).unwrap_or(0))
     } else {
-        format!("{x:.2e}")
+        format!("{x:.*e}", usize::try_from(count - 1).unwrap_or(0))
     }
 }
 
@@ -58,7 +84,18 @@ pub fn per_inertia(words: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::per_inertia;
+    use super::{Estimate, per_inertia};
+
+    #[test]
+    fn a_narrow_interval_is_told_in_the_digits_that_it_takes() {
+        let told = |value: f64, deviation: f64| {
+            Estimate::new("a", "1", value, deviation, [f64::NEG_INFINITY, f64::INFINITY]).in_digits()
+        };
+        assert_eq!(told(0.15, 0.005), ["0.150", "0.140", "0.160"]);
+        assert_eq!(told(0.150_051_5, 1.4e-4), ["0.1501", "0.1498", "0.1503"]);
+        assert_eq!(told(7.3e5, 70.0), ["7.300e5", "7.299e5", "7.301e5"]);
+        assert_eq!(told(2.0, 0.0), ["2.00"; 3]);
+    }
 
     #[test]
     fn a_moment_becomes_an_acceleration_and_a_slope_its_slope() {

@@ -9,6 +9,8 @@ pub struct AsymmetricThrust;
 
 /// Share of the rows that the command must be on either side of zero for.
 const BOTH_SIDES: f64 = 0.05;
+/// Spread of the command's size, as a share of it, from which on it is more than one size.
+const SIZES: f64 = 0.1;
 
 impl Effect for AsymmetricThrust {
     fn about(&self) -> About {
@@ -30,12 +32,15 @@ impl Effect for AsymmetricThrust {
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
+    /// Of a command of one size either way it is a constant moment.
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
-        let share = |side: f64| {
-            let rows = data.runs.iter().flat_map(|run| &run.u);
-            rows.filter(|&&u| side * u > 0.0).count() as f64 / data.samples() as f64
+        let mean = |of: &dyn Fn(f64) -> f64| {
+            data.runs.iter().flat_map(|run| &run.u).map(|&u| of(u)).sum::<f64>() / data.samples() as f64
         };
-        share(1.0) > BOTH_SIDES && share(-1.0) > BOTH_SIDES
+        let share = |side: f64| mean(&|u| f64::from(side * u > 0.0));
+        let size = mean(&f64::abs);
+        let spread = mean(&|u| (u.abs() - size).powi(2)).sqrt();
+        share(1.0) > BOTH_SIDES && share(-1.0) > BOTH_SIDES && spread > SIZES * size
     }
     fn of_thrust(&self) -> bool {
         true

@@ -93,10 +93,7 @@ impl Balance {
         let told = answer.effects.iter().any(|effect| effect.id == id)
             || matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous)
                 && predicts(answer)
-                && answer
-                    .effects
-                    .iter()
-                    .any(|effect| find(&effect.id).is_none_or(|known| known.moves_the_mean()));
+                && answer.effects.iter().any(|effect| find(&effect.id).is_none_or(Effect::moves_the_mean));
         let out =
             self.model.as_ref().filter(|m| m.difference.verdict == statistics::Verdict::Changed && !told);
         answer.balance = Some(BalanceAnswer {

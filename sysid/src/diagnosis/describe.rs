@@ -91,7 +91,7 @@ fn off_in_model(answer: &Answer) -> String {
             text.push_str(&format!(
                 " The {} that the model has is off: {}, not {}{unit}.",
                 known.id,
-                in_words(estimate),
+                estimate,
                 digits(*given)
             ));
         }
@@ -184,19 +184,6 @@ pub fn percent(probability: f64) -> String {
 /// A term with its parameters.
 pub fn in_a_phrase(effect: &EffectAnswer) -> String {
     let Some(known) = find(&effect.id) else { return effect.equation.clone() };
-    let parameters: Vec<String> = effect.parameters.iter().map(in_words).collect();
+    let parameters: Vec<String> = effect.parameters.iter().map(Estimate::to_string).collect();
     format!("{} ({}: {})", known.about().sentence, effect.id, parameters.join(", "))
-}
-
-/// "Mc = 0.113 N m (95 %: 0.107 to 0.119)".
-pub fn in_words(estimate: &Estimate) -> String {
-    let unit = if estimate.unit == "1" { String::new() } else { format!(" {}", estimate.unit) };
-    let [low, high] = estimate.ci95;
-    format!(
-        "{} = {}{unit} (95 %: {} to {})",
-        estimate.name,
-        digits(estimate.value),
-        digits(low),
-        digits(high)
-    )
 }

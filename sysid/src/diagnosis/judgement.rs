@@ -8,7 +8,7 @@ use super::input_line::input_has_line;
 use super::levels::{
     ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, THE_INPUTS_OWN, WORTH_A_NAME,
 };
-use super::materiality::{beyond_the_past, closed, is_immaterial, vaf_ahead};
+use super::materiality::{beyond_the_past, closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
 use super::rotation::{Rotation, Scores, TermGain, rotate};
@@ -245,7 +245,7 @@ fn told(
         let immaterial = by_rest.is_some_and(|rest| is_immaterial(finding.effect, all_closed, rest));
         // A rival that holds the name as its special case and closes no more says the same.
         let (same, rivals): (Vec<_>, Vec<_>) = finding.rivals.into_iter().partition(|(rival, _, at)| {
-            rival.generalises(finding.effect) && is_immaterial(*rival, closed_by(*at), all_closed)
+            rival.generalises(finding.effect) && says_the_same(*rival, closed_by(*at), all_closed)
         });
         let probability =
             finding.probability + same.iter().map(|(_, probability, _)| probability).sum::<f64>();

@@ -1,6 +1,6 @@
 //! Significant is not material: how much of the motion a model closes, and whether a name is worth telling.
 
-use super::levels::{HALVED, HELD_OUT_ERRORS, HORIZONS_S, LAST_THOUSANDTH};
+use super::levels::{HALVED, HELD_OUT_ERRORS, HORIZONS_S, LAST_THOUSANDTH, MATERIAL};
 use crate::dataset::Place;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::horizon::horizon_vaf;
@@ -41,6 +41,12 @@ pub fn is_immaterial(effect: &dyn Effect, all: f64, rest: f64) -> bool {
     small && 1.0 - all > HALVED * (1.0 - rest)
 }
 
+/// Whether a name that closes `all` of the motion says no more than its special case, which closes `rest`: nearly all of it, and as
+/// much. Where noise leaves most of the motion open, the evidence alone tells the two apart.
+pub fn says_the_same(general: &dyn Effect, all: f64, rest: f64) -> bool {
+    rest >= MATERIAL && is_immaterial(general, all, rest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::fixture::{asked, effects, flight_with, selection};
@@ -77,6 +83,14 @@ mod tests {
         assert!(!is_immaterial(friction, 0.9999, 0.9995), "a fifth of the error is left");
         assert_eq!((closed(Some(90.0), Some(97.5)), closed(Some(90.0), Some(80.0))), (0.75, 0.0));
         assert_eq!((closed(None, Some(97.5)), closed(Some(100.0), Some(100.0))), (0.0, 0.0));
+    }
+
+    #[test]
+    fn a_special_case_says_the_same_where_it_closes_nearly_all() {
+        let hysteresis = find("hysteresis").unwrap();
+        assert!(says_the_same(hysteresis, 0.95, 0.95) && says_the_same(hysteresis, MATERIAL, MATERIAL));
+        assert!(!says_the_same(hysteresis, 0.95, 0.94), "more is closed");
+        assert!(!says_the_same(hysteresis, 0.0, 0.0) && !says_the_same(hysteresis, 0.5, 0.5), "noise");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Command;
 use sysid::catalogue::CATALOGUE;
 use sysid::dataset::Amplitudes;
-use sysid::estimate::digits;
+use sysid::estimate::{Estimate, digits};
 use sysid::model::effect::{Effect, Parameter};
 
 /// Signals of the size that the reference experiment has, as on the page of the catalogue.
@@ -140,13 +140,14 @@ fn fly(id: &str, beside: Option<&String>, folder: &Path, work: &Path, pitchid: &
 
 /// A parameter of an answer or a truth: name, value, unit and interval.
 fn value(p: &Value, interval: Option<&Value>) -> String {
-    let unit =
-        p["unit"].as_str().filter(|unit| *unit != "1").map_or(String::new(), |unit| format!(" {unit}"));
-    let number = |v: &Value| v.as_f64().map_or("-".to_owned(), digits);
-    let range = interval.and_then(Value::as_array).filter(|ends| ends.len() == 2);
-    let range =
-        range.map_or(String::new(), |ends| format!(" (95 %: {} to {})", number(&ends[0]), number(&ends[1])));
-    format!("{} = {}{unit}{range}", p["name"].as_str().unwrap_or("-"), number(&p["value"]))
+    let [name, unit] = ["name", "unit"].map(|key| p[key].as_str().unwrap_or("-").to_owned());
+    let told_unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+    let ends: Vec<f64> =
+        interval.and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_f64).collect();
+    match (p["value"].as_f64(), ends.as_slice()) {
+        (Some(value), &[low, high]) => Estimate { name, unit, value, ci95: [low, high] }.to_string(),
+        (value, _) => format!("{name} = {}{told_unit}", value.map_or("-".to_owned(), digits)),
+    }
 }
 
 fn of_parameter(p: &Parameter) -> String {

@@ -4,7 +4,6 @@
 //! no model stays within a factor of two or three whatever is missing; it decides, and the fit's interval says how clearly.
 
 use super::{DEGREES, DataCheck, Gravity, too_large};
-use crate::diagnosis::describe::in_words;
 use crate::estimate::Estimate;
 use crate::estimate::digits;
 use crate::likelihood::problem::Problem;
@@ -50,17 +49,12 @@ impl<'a> Response<'a> {
     pub fn sign(&self, fed_back: bool) -> DataCheck {
         const CAUSE: &str = "input_sign";
         let (Some(gain), Some(given)) = (&self.fitted, self.given) else {
-            let known =
-                self.fitted.as_ref().map_or(String::new(), |g| format!("; the data have {}", in_words(g)));
+            let known = self.fitted.as_ref().map_or(String::new(), |g| format!("; the data have {g}"));
             return DataCheck::cannot_tell(CAUSE, format!("{NO_MODEL}{known}"));
         };
         let Some(rough) = self.rough else { return DataCheck::cannot_tell(CAUSE, NO_INPUT) };
-        let described = format!(
-            "the data have {} (a regression: {}), the model {}",
-            in_words(gain),
-            digits(rough),
-            digits(given)
-        );
+        let described =
+            format!("the data have {} (a regression: {}), the model {}", gain, digits(rough), digits(given));
         let clear = gain.ci95[0] * gain.ci95[1] > 0.0 && gain.value * rough > 0.0;
         if clear && gain.value * given > 0.0 {
             return DataCheck::ruled_out(CAUSE, described);

@@ -5,7 +5,6 @@
 
 use super::{DataCheck, Gravity};
 use crate::dataset::Dataset;
-use crate::diagnosis::describe::in_words;
 use crate::diagnosis::estimates::estimates_of;
 use crate::diagnosis::input_hold::half_a_sample;
 use crate::estimate::digits;
@@ -41,13 +40,13 @@ pub fn delay(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
                 Gravity::Told,
                 format!(
                     "the motion is stamped before the input that caused it: {} ({}); the stamps of one of them are off",
-                    in_words(&found),
+                    found,
                     samples(found.value)
                 ),
             ),
             Some(found) => DataCheck::ruled_out(
                 DELAY,
-                format!("no model fixes it: estimated, {} ({})", in_words(&found), samples(found.value)),
+                format!("no model fixes it: estimated, {} ({})", found, samples(found.value)),
             ),
             None => DataCheck::cannot_tell(DELAY, "it could not be estimated"),
         };
@@ -77,7 +76,7 @@ pub fn delay(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
     let error = (wanted.ci95[1] - wanted.ci95[0]) / 3.92;
     let described = format!(
         "the data want {} ({}), the model has {} s ({})",
-        in_words(&wanted),
+        wanted,
         samples(wanted.value),
         digits(model),
         samples(model)
