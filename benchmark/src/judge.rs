@@ -11,6 +11,8 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 const GUST: &str = "gust_disturbance";
+/// Physics that is the same moment as two others together, which no motion tells apart: told either way it is found.
+const SAME_TOGETHER: [(&str, [&str; 2]); 1] = [("asymmetric_friction", ["coulomb_friction", "trim_offset"])];
 /// A probability from which on a wrong name is a confident one.
 const CONFIDENT: f64 = 0.9;
 /// Most candidates that an undecided answer may list to count as right.
@@ -111,7 +113,14 @@ pub fn judge(truth: &Truth, said: Option<&Said>, beside: &Beside) -> Outcome {
     let listed = said.map_or_else(Vec::new, |said| listed(truth, said, &added));
     let first = listed.first().map(String::as_str);
     let probability = said.and_then(|s| s.effects.iter().find(|e| Some(e.id.as_str()) == first)?.probability);
-    let concealed = |id: &str| truth.ids.iter().any(|true_id| true_id == id);
+    let told_as = |id: &str| {
+        let same = SAME_TOGETHER.iter().find(|(one, _)| *one == id).map(|(_, together)| together);
+        same.filter(|together| together.iter().all(|id| added.iter().any(|name| name == id)))
+    };
+    let found = |id: &String| added.contains(id) || told_as(id).is_some();
+    let concealed = |id: &str| {
+        truth.ids.iter().any(|one| one == id || told_as(one).is_some_and(|together| together.contains(&id)))
+    };
     let first_is_true = first.is_some_and(concealed);
     let named = verdict == "named";
     let right = named && first_is_true;
@@ -134,8 +143,8 @@ pub fn judge(truth: &Truth, said: Option<&Said>, beside: &Beside) -> Outcome {
         probability,
         right,
         among_three: right || (undecided && listed.iter().any(|id| concealed(id))),
-        all_found: truth.ids.iter().all(|id| added.contains(id)),
-        one_found: truth.ids.iter().any(|id| added.contains(id)),
+        all_found: truth.ids.iter().all(found),
+        one_found: truth.ids.iter().any(found),
         companions: added.iter().any(|id| !concealed(id)),
         unlisted: verdict == "unlisted" || (named && remainder),
         confidently_wrong,
@@ -300,6 +309,17 @@ pub mod tests {
         assert!(found.confidently_wrong && !found.far);
         assert!(judged(&drag, &said("no_mismatch", &[], &[])).missed);
         assert!(judge(&drag, None, &beside(&[])).missed);
+    }
+
+    #[test]
+    fn one_moment_may_be_told_as_the_two_that_it_is_the_same_as() {
+        let friction = truth("effect", &["asymmetric_friction"], "lab");
+        let found = judged(&friction, &said("named", &["trim_offset", "coulomb_friction"], &[]));
+        assert!(found.right && found.all_found && !found.companions && !found.confidently_wrong);
+        let half = judged(&friction, &said("named", &["coulomb_friction"], &[]));
+        assert!(!half.right && !half.one_found && half.companions && half.confidently_wrong);
+        let more = judged(&friction, &said("named", &["coulomb_friction", "trim_offset", "servo_lag"], &[]));
+        assert!(more.right && more.companions);
     }
 
     #[test]

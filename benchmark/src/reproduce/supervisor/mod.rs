@@ -54,7 +54,7 @@ mod tests {
 
     /// Out of 10,000 tests of seed 1 those that came nearest to their bound, and how far beyond the limit they went, rad.
     const WORST: [(u64, f64); 10] = [
-        (9104, 0.318),
+        (9104, 0.3178),
         (9817, 0.317),
         (839, 0.392),
         (8606, 0.345),
