@@ -42,9 +42,10 @@ pub fn is_immaterial(effect: &dyn Effect, all: f64, rest: f64) -> bool {
 }
 
 /// Whether a name that closes `all` of the motion says no more than its special case, which closes `rest`: nearly all of it, and as
-/// much. Where noise leaves most of the motion open, the evidence alone tells the two apart.
+/// much. Where noise leaves most of the motion open, the evidence alone tells the two apart; and what says the same as several
+/// others together is told beside these, by what each of them closes.
 pub fn says_the_same(general: &dyn Effect, all: f64, rest: f64) -> bool {
-    rest >= MATERIAL && is_immaterial(general, all, rest)
+    rest >= MATERIAL && is_immaterial(general, all, rest) && general.restates().is_empty()
 }
 
 #[cfg(test)]
@@ -90,6 +91,7 @@ mod tests {
         let hysteresis = find("hysteresis").unwrap();
         assert!(says_the_same(hysteresis, 0.95, 0.95) && says_the_same(hysteresis, MATERIAL, MATERIAL));
         assert!(!says_the_same(hysteresis, 0.95, 0.94), "more is closed");
+        assert!(!says_the_same(find("asymmetric_friction").unwrap(), 0.95, 0.95), "another moment beside it");
         assert!(!says_the_same(hysteresis, 0.0, 0.0) && !says_the_same(hysteresis, 0.5, 0.5), "noise");
     }
 
