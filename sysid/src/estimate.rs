@@ -31,12 +31,12 @@ impl Estimate {
         Self { name: name.into(), unit: unit.into(), value, ci95 }
     }
 
-    /// The value and the ends of the interval: in three significant digits, or in as many, up to six, as tell them apart.
+    /// The value and the ends of the interval: in three significant digits, or in as many as tell them apart, where six do.
     fn in_digits(&self) -> [String; 3] {
         let all = [self.value, self.ci95[0], self.ci95[1]];
         let apart = |told: &[String; 3]| (1..3).all(|end| all[end] == all[0] || told[end] != told[0]);
-        let mut told = (LEAST_DIGITS..MOST_DIGITS).map(|count| all.map(|x| significant(x, count)));
-        told.find(apart).unwrap_or_else(|| all.map(|x| significant(x, MOST_DIGITS)))
+        let mut told = (LEAST_DIGITS..=MOST_DIGITS).map(|count| all.map(|x| significant(x, count)));
+        told.find(apart).unwrap_or_else(|| all.map(digits))
     }
 }
 
@@ -95,6 +95,7 @@ mod tests {
         assert_eq!(told(0.150_051_5, 1.4e-4), ["0.1501", "0.1498", "0.1503"]);
         assert_eq!(told(7.3e5, 70.0), ["7.300e5", "7.299e5", "7.301e5"]);
         assert_eq!(told(2.0, 0.0), ["2.00"; 3]);
+        assert_eq!(told(0.06, 1e-12), ["0.0600"; 3], "nobody reads thirteen");
     }
 
     #[test]
