@@ -141,4 +141,11 @@ mod tests {
         }
         assert!(asymmetric_servo::AsymmetricServo.moves_the_mean() && !servo_lag::ServoLag.moves_the_mean());
     }
+
+    #[test]
+    fn lags_and_sensors_hold_nothing_aside() {
+        let ids = ["gravity_stiffness", "asymmetric_friction", "unlisted", "servo_second_order", "gyro_bias"];
+        let moves = ids.map(|id| find(id).is_none_or(Effect::moves_the_mean));
+        assert_eq!(moves, [true, true, true, false, false]);
+    }
 }

@@ -13,9 +13,10 @@ impl Search<'_, '_> {
     pub fn simplest(&mut self, mut place: usize, baseline: usize) -> usize {
         let (problem, sections) = (self.problem, self.problem.data.places());
         let ahead = |fit: &Fit| vaf_ahead(problem, fit, &sections);
-        let before = ahead(&self.visited[baseline].fit);
+        // most models have no name with a special case that was visited
+        let before = LazyCell::new(|| ahead(&self.visited[baseline].fit));
         let found = place;
-        while let Some(simpler) = self.simpler(place, &|fit| closed(before, ahead(fit))) {
+        while let Some(simpler) = self.simpler(place, &|fit| closed(*before, ahead(fit))) {
             place = simpler;
         }
         if place != found {
