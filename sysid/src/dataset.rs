@@ -84,6 +84,8 @@ pub struct Amplitudes {
     pub theta: f64,
     /// From the least pitch angle to the largest, rad.
     pub turned: f64,
+    /// Lower and upper quartile and largest size of the measured pitch angle, rad; zeros where none was measured.
+    pub angles: [f64; 3],
     /// Standard deviation of the control moment ∂M/∂u·u, N m.
     pub moment: f64,
     /// Sample period, s.
@@ -308,17 +310,33 @@ impl Dataset {
             (low.min(angle), high.max(angle))
         });
         let turned = (largest - least).max(0.0);
+        let angles = self.angles();
         let duration = self.runs.iter().map(|run| run.elapsed(run.len())).fold(step, f64::max);
         let rate_limit =
             self.runs.iter().map(|run| run.rate_limit).reduce(f64::max).filter(|l| l.is_finite());
         if self.input_changes() {
             let moment = (dm_du * u).abs().max(f64::MIN_POSITIVE);
-            return Amplitudes { u, q, theta, turned, moment, step, duration, rate_limit };
+            return Amplitudes { u, q, theta, turned, angles, moment, step, duration, rate_limit };
         }
         let quickness = DECORRELATED.acos() / (decorrelation(&rate) as f64 * step);
         let moment = (inertia * q * quickness).max(f64::MIN_POSITIVE);
         let u = moment / dm_du.abs().max(f64::MIN_POSITIVE);
-        Amplitudes { u, q, theta, turned, moment, step, duration, rate_limit }
+        Amplitudes { u, q, theta, turned, angles, moment, step, duration, rate_limit }
+    }
+
+    fn angles(&self) -> [f64; 3] {
+        let mut angles: Vec<f64> =
+            self.runs.iter().filter_map(|run| run.angle.as_deref()).flatten().copied().collect();
+        if angles.is_empty() {
+            return [0.0; 3];
+        }
+        let mut quartile = |share: f64| {
+            let place = (share * (angles.len() - 1) as f64) as usize;
+            *angles.select_nth_unstable_by(place, f64::total_cmp).1
+        };
+        let quartiles = [quartile(0.25), quartile(0.75)];
+        let largest = angles.iter().fold(0.0, |largest: f64, angle| largest.max(angle.abs()));
+        [quartiles[0], quartiles[1], largest]
     }
 }
 

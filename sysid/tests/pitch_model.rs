@@ -16,6 +16,7 @@ const SIZES: Amplitudes = Amplitudes {
     q: 0.3,
     theta: 0.2,
     turned: 0.8,
+    angles: [0.0; 3],
     moment: 0.345,
     step: STEP,
     duration: 4.0,

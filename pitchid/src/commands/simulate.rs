@@ -231,6 +231,7 @@ mod tests {
         q: 1.0,
         theta: 1.0,
         turned: 8.0,
+        angles: [0.0; 3],
         moment: 1.0,
         step: 0.02,
         duration: 1.0,

@@ -53,8 +53,13 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
         free_run,
         horizons: BTreeMap::from([("1.0", WithError { value: free_run + 1.0, standard_error: 0.5 })]),
     };
-    let held =
-        |_| HeldOutAnswer { baseline: vaf(79.6), extended: vaf(96.3), past_alone: 40.0, terms: Vec::new() };
+    let held = |_| HeldOutAnswer {
+        baseline: vaf(79.6),
+        extended: vaf(96.3),
+        past_alone: 40.0,
+        share_of_motion: 0.5,
+        terms: Vec::new(),
+    };
     let mut answer = Answer {
         schema: "pitchid.diagnosis/1",
         verdict,

@@ -6,6 +6,12 @@ use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, P
 /// M −= ks (|θ| − θs) sign θ for |θ| > θs.
 pub struct EndStop;
 
+/// Least angle of a stop: one that is touched for more than three quarters of the time is no stop, but a spring.
+fn free(data: &Amplitudes) -> f64 {
+    let [lower, upper, _] = data.angles;
+    (0.3 * data.theta).max(lower).max(-upper)
+}
+
 impl Effect for EndStop {
     fn about(&self) -> About {
         About {
@@ -29,8 +35,8 @@ impl Effect for EndStop {
             Parameter {
                 name: "theta_s",
                 unit: "rad",
-                lower: 0.3 * data.theta,
-                upper: 4.0 * data.theta,
+                lower: free(data),
+                upper: (4.0 * data.theta).max(data.angles[2]),
                 scale: Scale::Linear(0.1 * data.theta),
             },
             Parameter {
@@ -44,7 +50,7 @@ impl Effect for EndStop {
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         let unit = data.moment / data.theta;
-        [0.7, 1.2, 1.8].map(|share| vec![share * data.theta, unit]).to_vec()
+        [0.4, 0.9, 1.5].map(|share| vec![free(data) + share * data.theta, unit]).to_vec()
     }
     fn within_sample(&self) -> bool {
         true

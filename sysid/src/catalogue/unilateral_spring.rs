@@ -6,6 +6,14 @@ use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture,
 /// M −= k s max(0, s (θ − θ0)) with s the sign of θ0: slack up to the angle θ0, a spring beyond it on that side.
 pub struct UnilateralSpring;
 
+/// Least and largest angle at which the cable may begin to pull: one that is taut for more than three quarters of the time is a
+/// spring.
+fn slack(data: &Amplitudes) -> [f64; 2] {
+    let [lower, upper, largest] = data.angles;
+    let far = (4.0 * data.theta).max(largest);
+    [if lower > 0.0 { lower } else { -far }, if upper < 0.0 { upper } else { far }]
+}
+
 impl Effect for UnilateralSpring {
     fn about(&self) -> About {
         About {
@@ -33,15 +41,19 @@ impl Effect for UnilateralSpring {
             Parameter {
                 name: "theta_0",
                 unit: "rad",
-                lower: -4.0 * data.theta,
-                upper: 4.0 * data.theta,
+                lower: slack(data)[0],
+                upper: slack(data)[1],
                 scale: Scale::Linear(0.1 * data.theta),
             },
         ]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         let unit = data.moment / data.theta;
-        [-1.2, -0.4, 0.4, 1.2].map(|share| vec![0.5 * unit, share * data.theta]).to_vec()
+        let [low, high] = slack(data);
+        let within = |theta_0: &f64| low < *theta_0 && *theta_0 < high;
+        let aside = [low.max(0.0), high.min(0.0)].into_iter().find(|edge| *edge != 0.0).unwrap_or(0.0);
+        let starts = [-1.2, -0.4, 0.4, 1.2].map(|share| aside + share * data.theta);
+        starts.into_iter().filter(within).map(|theta_0| vec![0.5 * unit, theta_0]).collect()
     }
     fn acts_at(&self) -> Option<usize> {
         Some(1)

@@ -84,7 +84,8 @@ impl Balance {
     }
 
     /// Writes it into an answer and its model. A vehicle that is out of the model's trim has a constant moment where no other name
-    /// accounts for the mean, as one-sided friction would: that is an answer where nothing else could be asked.
+    /// accounts for the mean, as one-sided friction would: that is an answer where nothing else could be asked. It is told before
+    /// names that have less evidence.
     pub fn write(&self, answer: &mut Answer, model: &mut ModelFile) {
         if answer.verdict == Verdict::CheckData {
             return;
@@ -112,12 +113,17 @@ impl Balance {
         };
         let effect = self.effect(of_model, dm_du, answer.effects.is_empty());
         model.effects.push(entry(effect.parameters[0].value));
-        answer.summary =
-            format!("{held} Missing from the model: {}. {}", in_a_phrase(&effect), answer.summary);
+        let told = format!("{held} Missing from the model: {}.", in_a_phrase(&effect));
+        let stronger = |other: &EffectAnswer| other.evidence.log_evidence > effect.evidence.log_evidence;
+        let place = answer.effects.iter().take_while(|other| stronger(other)).count();
+        answer.summary = match place {
+            0 => format!("{told} {}", answer.summary),
+            _ => format!("{} {told}", answer.summary),
+        };
         if matches!(answer.verdict, Verdict::NotExcited | Verdict::NoMismatch) {
             answer.verdict = Verdict::Named;
         }
-        answer.effects.insert(0, effect);
+        answer.effects.insert(place, effect);
     }
 
     /// Gives a model that was found here its trim, where the command is not zero.

@@ -1,7 +1,8 @@
 //! Every sentence of the answer that a person reads.
 
 use super::answer::{Answer, EffectAnswer, HeldOutAnswer, VafAnswer, Verdict};
-use super::levels::{SEEN_IN_A_LOOP, THE_INPUTS_OWN};
+use super::data_checks::{FEEDBACK, State};
+use super::levels::{SEEN, THE_INPUTS_OWN};
 use super::materiality::beyond_the_past;
 use super::verdict::Objection;
 use crate::catalogue::find;
@@ -103,8 +104,8 @@ fn off_in_model(answer: &Answer) -> String {
 fn in_reason(objection: Option<Objection>) -> String {
     match objection {
         None => "nothing in the catalogue explains it".into(),
-        Some(Objection::LostInTheLoop) => {
-            "in this loop too little of the motion follows from the input for a name to be sure".into()
+        Some(Objection::Unseen) => {
+            "too little of the motion follows from the input for a name to be sure".into()
         }
         Some(Objection::Unstable) => "no name for it stands on data that it was not fitted to".into(),
         Some(Objection::Partly(share)) => {
@@ -113,50 +114,53 @@ fn in_reason(objection: Option<Objection>) -> String {
     }
 }
 
-/// Whether the answer's model tells at least half of the motion of parts held out, 1 s ahead or in the free run, or of what the
-/// past of the motion does not tell of the next 0.1 s.
+/// Whether the answer's model tells at least half of the motion of parts held out, 1 s ahead or, in an open loop, in the free run.
+fn predicts_far(answer: &Answer) -> bool {
+    let seen = |horizon: Option<&str>| mean_vaf(answer, &|h| &h.extended, horizon) >= SEEN;
+    let closed = || answer.data_checks.iter().any(|c| c.cause == FEEDBACK && c.state == State::Found);
+    seen(Some("1.0")) || seen(None) && !closed()
+}
+
+/// The same, or of what the past of the motion does not tell of the next 0.1 s.
 pub fn predicts(answer: &Answer) -> bool {
-    let mean = |horizon: Option<&str>| mean_vaf(answer, &|h| &h.extended, horizon);
-    mean(Some("1.0")).max(mean(None)) >= SEEN_IN_A_LOOP
+    predicts_far(answer)
         || beyond_the_past(answer.fit.held_out.values().map(|part| {
             let near = part.extended.horizons.get("0.1");
-            [part.past_alone, near.map_or(0.0, |vaf| vaf.value), near.map_or(0.0, |vaf| vaf.standard_error)]
+            let [value, error] = near.map_or([0.0; 2], |vaf| [vaf.value, vaf.standard_error]);
+            (part.share_of_motion, [part.past_alone, value, error])
         })) >= THE_INPUTS_OWN
 }
 
-/// Mean VAF over the parts held out, 0.1 s ahead, of what the outputs' past tells, per cent.
-fn past_alone(answer: &Answer) -> f64 {
-    let held = &answer.fit.held_out;
-    held.values().map(|part| part.past_alone).sum::<f64>() / held.len().max(1) as f64
+/// Mean of `figure` over the parts held out, by their share of the motion.
+fn mean(answer: &Answer, figure: impl Fn(&HeldOutAnswer) -> f64) -> f64 {
+    answer.fit.held_out.values().map(|part| part.share_of_motion * figure(part)).sum()
 }
 
 /// Mean VAF over the parts held out, `horizon` s ahead or of the free run, per cent.
 fn mean_vaf(answer: &Answer, of: &dyn Fn(&HeldOutAnswer) -> &VafAnswer, horizon: Option<&str>) -> f64 {
-    let held = &answer.fit.held_out;
-    let vaf = |part: &VafAnswer| match horizon {
-        Some(key) => part.horizons.get(key).map_or(0.0, |vaf| vaf.value),
-        None => part.free_run,
-    };
-    held.values().map(|h| vaf(of(h))).sum::<f64>() / held.len().max(1) as f64
+    mean(answer, |part| match horizon {
+        Some(key) => of(part).horizons.get(key).map_or(0.0, |vaf| vaf.value),
+        None => of(part).free_run,
+    })
 }
 
 /// VAF on held-out data, before and `after` or one of them: 1 s ahead and of the free run; 0.1 s ahead where gusts leave nothing
 /// beyond that.
 fn figures(answer: &Answer, after: bool) -> String {
-    let mean =
+    let vaf =
         |horizon| [mean_vaf(answer, &|h| &h.baseline, horizon), mean_vaf(answer, &|h| &h.extended, horizon)];
-    let ([near, near_after], [before, later]) = (mean(Some("1.0")), mean(None));
-    let gusts = near_after.max(later) < SEEN_IN_A_LOOP && predicts(answer);
+    let ([near, near_after], [before, later]) = (vaf(Some("1.0")), vaf(None));
+    let gusts = !predicts_far(answer) && predicts(answer);
     let sections =
         if answer.fit.held_out.len() == 1 { "the section held out" } else { "sections held out in turn" };
     if gusts {
-        let [short, short_after] = mean(Some("0.1"));
+        let [short, short_after] = vaf(Some("0.1"));
         let figures = if after {
             format!("{short:.1} % before and {short_after:.1} % after")
         } else {
             format!("{short:.1} %")
         };
-        let past = past_alone(answer);
+        let past = mean(answer, |part| part.past_alone);
         format!("VAF on {sections}: 0.1 s ahead {figures}, of the past of the motion alone {past:.1} %")
     } else if after {
         format!(

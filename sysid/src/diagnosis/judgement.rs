@@ -6,17 +6,17 @@ use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
 use super::levels::{
-    ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN_IN_A_LOOP, THE_INPUTS_OWN, WORTH_A_NAME,
+    ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN, THE_INPUTS_OWN, WORTH_A_NAME,
 };
 use super::materiality::{beyond_the_past, closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
-use super::rotation::{Rotation, Scores, TermGain, rotate};
+use super::rotation::{Rotation, TermGain, rotate};
 use super::verdict::Grounds;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::{Fit, refit};
 use crate::likelihood::problem::Problem;
-use crate::model::effect::Effect;
+use crate::model::effect::{Effect, Locus};
 use crate::progress::Progress;
 use std::cell::LazyCell;
 
@@ -165,6 +165,10 @@ impl<'p, 'd> Judgement<'p, 'd> {
         }
         let [small, named] =
             [small, named].map(|some| some.into_iter().map(|(_, f)| f).collect::<Vec<Finding>>());
+        // A free run in a loop copies the controller.
+        let little_seen = ahead(&rotation) < SEEN
+            && the_inputs_own(&rotation) < THE_INPUTS_OWN
+            && (fed_back || free_run(&rotation) < SEEN);
         let grounds = Grounds {
             data_first: false,
             not_excited: false,
@@ -173,18 +177,14 @@ impl<'p, 'd> Judgement<'p, 'd> {
             rivals: named.iter().any(|finding| !finding.rivals.is_empty()),
             unstable: named.iter().any(|finding| chosen(finding) == 0 || !clear(finding)),
             closed,
-            lost_in_the_loop: fed_back
-                && ahead(&rotation) < SEEN_IN_A_LOOP
-                && the_inputs_own(&rotation) < THE_INPUTS_OWN,
+            unseen: little_seen && (fed_back || named.iter().any(|f| is_of_the_input(f.effect))),
             gained_by_names,
             gained_by_all,
             untold,
         };
         let verdict = grounds.verdict();
         // A name that neither explains the data nor predicts the motion is no finding.
-        let claimed = verdict != Verdict::Unlisted
-            || ahead(&rotation).max(free_run(&rotation)) >= SEEN_IN_A_LOOP
-            || the_inputs_own(&rotation) >= THE_INPUTS_OWN;
+        let claimed = verdict != Verdict::Unlisted || !little_seen;
         let (named, small, names_alone) =
             if claimed { (named, small, names_alone) } else { (Vec::new(), [named, small].concat(), None) };
         Self {
@@ -311,6 +311,12 @@ fn mends(finding: &Finding, before: &[&'static dyn Effect]) -> bool {
     class.is_some() && before.iter().any(|e| e.class() == class) && finding.share < 1.0 - MATERIAL
 }
 
+/// Whether a term is known by how the vehicle follows the input: what acts at its own time, and what a sensor adds, is seen without.
+fn is_of_the_input(effect: &dyn Effect) -> bool {
+    let about = effect.about();
+    about.variable != "t" && !matches!(about.locus, Locus::Sensor | Locus::Environment)
+}
+
 /// Whether what comes once is over within a block: an event, as a push or the one gust of the day, and nothing that a model lacks.
 fn is_event(effect: &dyn Effect, values: &[f64]) -> bool {
     let at = |place: Option<usize>| values.get(place?).copied();
@@ -343,26 +349,20 @@ fn turns_about(problem: &Problem<'_>, fit: &Fit, alone: &Fit, effect: &dyn Effec
 
 /// VAF held out at the longest horizon, mean over the parts, per cent.
 fn ahead(rotation: &Rotation) -> f64 {
-    mean(rotation, |scores| scores.horizons.last().map_or(0.0, |(vaf, _)| *vaf))
+    rotation.mean(|part| part.extended.horizons.last().map_or(0.0, |(vaf, _)| *vaf))
 }
 
 /// The same of the free run.
 fn free_run(rotation: &Rotation) -> f64 {
-    mean(rotation, |scores| scores.free_run)
+    rotation.mean(|part| part.extended.free_run)
 }
 
 /// Share of what the outputs' past alone does not tell at the shortest horizon that the model tells, held out.
 fn the_inputs_own(rotation: &Rotation) -> f64 {
-    beyond_the_past(rotation.parts.iter().map(|part| {
+    beyond_the_past(rotation.parts.iter().zip(rotation.shares()).map(|(part, share)| {
         let (vaf, error) = part.extended.horizons.first().copied().unwrap_or_default();
-        [part.past_alone, vaf, error]
+        (share, [part.past_alone, vaf, error])
     }))
-}
-
-/// Mean of what was held out over the parts.
-fn mean(rotation: &Rotation, vaf: impl Fn(&Scores) -> f64) -> f64 {
-    let all = rotation.parts.iter().map(|part| vaf(&part.extended));
-    all.sum::<f64>() / rotation.parts.len().max(1) as f64
 }
 
 #[cfg(test)]

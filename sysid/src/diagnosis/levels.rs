@@ -34,10 +34,10 @@ pub const WIDEST_SHARED_INTERVAL: f64 = 0.5;
 pub const PARTS: usize = 4;
 /// Horizons of the predictions that a model is judged by, s.
 pub const HORIZONS_S: [f64; 3] = [0.1, 0.3, 1.0];
-/// VAF of predictions 1 s ahead, held out, per cent, below which nothing is named in a loop that was closed unsaid, unless
-/// [`THE_INPUTS_OWN`] is reached: most of the motion is then the noise that went round it. An answer without a name says so below
-/// both.
-pub const SEEN_IN_A_LOOP: f64 = 50.0;
+/// VAF of predictions 1 s ahead, held out, per cent, below which nothing is named that is known by how the vehicle follows the
+/// input, unless [`THE_INPUTS_OWN`] is reached: most of the motion is then noise, in a loop that was closed unsaid the noise that
+/// went round it. Where it is open the free run may reach it too. An answer without a name says so below all of them.
+pub const SEEN: f64 = 50.0;
 /// Share of what the past of the motion does not tell of the next 0.1 s that a model surely predicts, held out, from which on the
 /// input is seen in a loop. In gusts nothing predicts a second, be the model the vehicle itself.
 pub const THE_INPUTS_OWN: f64 = 0.5;
@@ -46,6 +46,6 @@ pub const CALM: f64 = 98.0;
 /// VAF of predictions at the best horizon, per cent, below which nothing follows from the input: a model that predicts nothing has
 /// nothing that could be missing from it.
 pub const SEEN_AT_ALL: f64 = 2.0;
-/// Horizon at which lags of actuator and sensor are compared where no angle is measured, s: several lags long, and short enough
-/// for a loop to have little part in it.
-pub const LAG_HORIZON_S: f64 = 0.3;
+/// Horizons at which lags of actuator and sensor are compared where no angle is measured, s, longest first: several lags long, and
+/// short enough for a loop to have little part in it.
+pub const LAG_HORIZONS_S: [f64; 2] = [0.3, 0.1];

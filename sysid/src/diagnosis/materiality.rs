@@ -22,13 +22,12 @@ pub fn closed(before: Option<f64>, after: Option<f64>) -> f64 {
     }
 }
 
-/// Share of what the past of the motion does not tell that a model predicts, `by_part` (VAF of the past alone, of the model, and its
-/// standard error, per cent): as much as it is but for one chance in a hundred.
-pub fn beyond_the_past(by_part: impl Iterator<Item = [f64; 3]>) -> f64 {
-    let parts: Vec<[f64; 3]> = by_part.collect();
-    let n = parts.len().max(1) as f64;
-    let [past, model] = [0, 1].map(|i| parts.iter().map(|part| part[i]).sum::<f64>() / n);
-    let error = parts.iter().map(|part| part[2] * part[2]).sum::<f64>().sqrt() / n;
+/// Share of what the past of the motion does not tell that a model predicts, `by_part` (its share of the motion; VAF of the past
+/// alone, of the model, and its standard error, per cent): as much as it is but for one chance in a hundred.
+pub fn beyond_the_past(by_part: impl Iterator<Item = (f64, [f64; 3])>) -> f64 {
+    let parts: Vec<(f64, [f64; 3])> = by_part.collect();
+    let [past, model] = [0, 1].map(|i| parts.iter().map(|(share, part)| share * part[i]).sum::<f64>());
+    let error = parts.iter().map(|(share, part)| (share * part[2]).powi(2)).sum::<f64>().sqrt();
     closed(Some(past), Some(model - HELD_OUT_ERRORS * error))
 }
 
@@ -69,10 +68,13 @@ mod tests {
 
     #[test]
     fn what_a_model_tells_beyond_the_past_is_what_it_surely_tells() {
-        let sure = beyond_the_past([[80.0, 96.0, 0.1], [60.0, 92.0, 0.1]].into_iter());
+        let halves = |parts: [[f64; 3]; 2]| beyond_the_past(parts.into_iter().map(|part| (0.5, part)));
+        let sure = halves([[80.0, 96.0, 0.1], [60.0, 92.0, 0.1]]);
         assert!((sure - 0.8).abs() < 0.01, "{sure}");
-        assert!(beyond_the_past([[12.0, 63.0, 24.0], [19.0, 78.0, 7.0]].into_iter()) < 0.35);
-        assert_eq!(beyond_the_past([[80.0, 70.0, 1.0]].into_iter()), 0.0);
+        assert!(halves([[12.0, 63.0, 24.0], [19.0, 78.0, 7.0]]) < 0.35);
+        let beside_a_quiet_part = [(0.965, [80.0, 96.0, 0.1]), (0.035, [2.0, 0.0, 35.0])];
+        assert!(beyond_the_past(beside_a_quiet_part.into_iter()) > 0.5);
+        assert_eq!(beyond_the_past([(1.0, [80.0, 70.0, 1.0])].into_iter()), 0.0);
         assert_eq!(beyond_the_past(std::iter::empty()), 0.0);
     }
 

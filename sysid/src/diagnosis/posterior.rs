@@ -5,7 +5,7 @@
 //! ```
 
 use super::another_zero::{is_trim, pulls_aside};
-use super::levels::{LAG_HORIZON_S, PLAUSIBLE};
+use super::levels::{LAG_HORIZONS_S, PLAUSIBLE};
 use super::locate::indistinct;
 use crate::catalogue::shapes::SHAPES;
 use crate::likelihood::evidence::Information;
@@ -196,12 +196,15 @@ impl Selection {
         if names(other) != names(&model.fit) {
             return None;
         }
-        let mut wanted = other.ids();
-        wanted.retain(|id| *id != rival.about().id);
-        wanted.push(effect.about().id);
+        let kept = other.ids().into_iter().filter(|id| *id != rival.about().id);
+        self.fit_of(kept.chain([effect.about().id]))
+    }
+
+    /// The model of just these effects.
+    fn fit_of(&self, ids: impl Iterator<Item = &'static str>) -> Option<&Fit> {
+        let mut wanted: Vec<&str> = ids.collect();
         wanted.sort_unstable();
-        let all = self.visited.iter().map(|visited| &visited.fit);
-        all.into_iter().find(|fit| {
+        self.visited.iter().map(|visited| &visited.fit).find(|fit| {
             let mut ids = fit.ids();
             ids.sort_unstable();
             ids == wanted
@@ -228,7 +231,9 @@ impl Selection {
                 p = p.max(indistinct(problem, counterpart, &other.fit));
                 // Without an angle nothing but the noise model tells a lag of the sensor from one of the actuator.
                 if !problem.data.has_angle {
-                    p = p.max(alike_ahead(problem, counterpart, &other.fit));
+                    let neither =
+                        self.fit_of(counterpart.ids().into_iter().filter(|id| *id != effect.about().id));
+                    p = p.max(alike_ahead(problem, [counterpart, &other.fit], neither));
                 }
             }
             match rivals.iter_mut().find(|(known, ..)| known.about().id == rival.about().id) {
@@ -248,10 +253,17 @@ fn names(fit: &Fit) -> usize {
     fit.effects.iter().filter(|effect| !is_shape(**effect)).count()
 }
 
-/// Odds that two models predict alike a while ahead, where what the command does counts and not what the noise did.
-pub fn alike_ahead(problem: &Problem<'_>, model: &Fit, rival: &Fit) -> f64 {
-    let [model, rival] = [model, rival].map(|fit| problem.unpack(&fit.effects, &fit.minimum.values));
-    indistinct_ahead(problem, [&model, &rival], &problem.data.places(), LAG_HORIZON_S).unwrap_or(0.0)
+/// Odds that two models predict alike a while ahead, where what the command does counts and not what the noise did: at the longest
+/// of [`LAG_HORIZONS_S`] at which the first is told from one with `neither`. A horizon at which it is not, as a second in a loop and
+/// in gusts, tells it from nothing else.
+pub fn alike_ahead(problem: &Problem<'_>, [model, rival]: [&Fit; 2], neither: Option<&Fit>) -> f64 {
+    let unpack = |fit: &Fit| problem.unpack(&fit.effects, &fit.minimum.values);
+    let model = unpack(model);
+    let from = |other: &Fit, horizon: f64| {
+        indistinct_ahead(problem, [&model, &unpack(other)], &problem.data.places(), horizon).unwrap_or(0.0)
+    };
+    let tells = |horizon: &f64| neither.is_none_or(|neither| from(neither, *horizon) < PLAUSIBLE);
+    from(rival, LAG_HORIZONS_S.into_iter().find(tells).unwrap_or(LAG_HORIZONS_S[0]))
 }
 
 /// Whether an effect is a shape without a name.

@@ -13,7 +13,7 @@ use crate::catalogue::find;
 use crate::dataset::Place;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::{Fit, weights};
-use crate::likelihood::free_run::vaf_over;
+use crate::likelihood::free_run::{motion, vaf_over};
 use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
@@ -43,6 +43,8 @@ pub struct HeldOut {
     pub extended: Scores,
     /// VAF at the first of the horizons of a prediction from the outputs' past alone, fitted without it, per cent.
     pub past_alone: f64,
+    /// Squares of its motion, summed: what it weighs in a mean over the parts.
+    pub motion: f64,
     /// Ids of the terms that were chosen without it.
     pub chosen: Vec<&'static str>,
     /// Where it is.
@@ -78,6 +80,18 @@ pub struct Rotation {
 }
 
 impl Rotation {
+    /// Mean of `figure` over the parts, each by its share of the motion: a part in which nothing moves has nothing to explain, and
+    /// says little of how well that is done.
+    pub fn mean(&self, figure: impl Fn(&HeldOut) -> f64) -> f64 {
+        self.parts.iter().zip(self.shares()).map(|(part, share)| share * figure(part)).sum()
+    }
+
+    /// Each part's share of the motion.
+    pub fn shares(&self) -> Vec<f64> {
+        let all: f64 = self.parts.iter().map(|part| part.motion).sum();
+        self.parts.iter().map(|part| part.motion / all.max(f64::MIN_POSITIVE)).collect()
+    }
+
     /// What the term called `id` gains.
     pub fn gain(&self, id: &str) -> Option<TermGain> {
         self.gains.iter().find(|(known, _)| *known == id).map(|(_, gain)| *gain)
@@ -166,6 +180,7 @@ pub fn rotate(
             baseline: scores(selection.baseline, baseline),
             extended: scores(models[best], chosen),
             past_alone: vaf_of_the_past_alone(problem, &others, &part.places, HORIZONS_S[0]),
+            motion: motion(problem, &part.places),
             chosen: ids(models[best]),
             places: part.places.clone(),
             baseline_values: baseline.values.clone(),

@@ -220,6 +220,7 @@ mod tests {
         q: 0.2,
         theta: 0.1,
         turned: 0.8,
+        angles: [0.0; 3],
         moment: 0.35,
         step: 0.02,
         duration: 98.0,

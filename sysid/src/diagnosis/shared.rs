@@ -120,7 +120,8 @@ impl Posed<'_> {
         let mut said: Vec<Option<Said>> = CANDIDATES.iter().map(|&effect| self.wants(effect)).collect();
         let divisor = said.iter().flatten().map(|said| said.divisor).fold(1.0, f64::max);
         let alike = |one: &Said, other: &Said| {
-            !self.problem.data.has_angle && alike_ahead(&self.problem, &one.fit, &other.fit) >= PLAUSIBLE
+            !self.problem.data.has_angle
+                && alike_ahead(&self.problem, [&one.fit, &other.fit], Some(self.asked.fit)) >= PLAUSIBLE
         };
         let best = |one: &Said| {
             said.iter()

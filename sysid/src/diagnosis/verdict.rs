@@ -6,8 +6,8 @@ use super::levels::MATERIAL;
 /// What speaks against names as the answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Objection {
-    /// In a closed loop most of the motion is not explained.
-    LostInTheLoop,
+    /// Most of the motion does not follow from the input.
+    Unseen,
     /// A name does not stand on data that were held out.
     Unstable,
     /// Names close this share of what can be closed.
@@ -30,8 +30,8 @@ pub struct Grounds {
     /// Whether a named term is chosen by none of the rotations (without any one of the sections it is not seen), or gains no more
     /// on held-out data than chance gives.
     pub unstable: bool,
-    /// Whether the loop was closed unsaid, and most of the motion 1 s ahead is not explained.
-    pub lost_in_the_loop: bool,
+    /// Whether most of the motion does not follow from the input, and the loop was closed unsaid, or a name is known by how it does.
+    pub unseen: bool,
     /// Share of what the baseline leaves of the motion, the noise included, that the named terms close in prediction.
     pub closed: f64,
     /// What the named terms alone gain.
@@ -56,7 +56,7 @@ impl Grounds {
         let share = self.share_of_names();
         match self.named {
             0 => None,
-            _ if self.lost_in_the_loop => Some(Objection::LostInTheLoop),
+            _ if self.unseen => Some(Objection::Unseen),
             _ if self.unstable => Some(Objection::Unstable),
             _ if share < MATERIAL => Some(Objection::Partly(share)),
             _ => None,

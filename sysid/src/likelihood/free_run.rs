@@ -69,14 +69,23 @@ pub fn vaf_by_place(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]
 /// simulation diverges.
 pub fn vaf_over(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) -> f64 {
     let Some(simulated) = free_run(problem, unpacked, places) else { return 0.0 };
-    let (mut left, mut whole) = (0.0, 0.0);
+    let mut left = 0.0;
     for (place, s) in places.iter().zip(&simulated) {
         let y = judged(problem, place);
         let errors: Vec<f64> = y.iter().zip(s).map(|(y, s)| y - s).collect();
         left += y.len() as f64 * variance(&errors);
-        whole += y.len() as f64 * variance(y);
     }
+    let whole = motion(problem, places);
     if whole > 0.0 { 100.0 * (1.0 - left / whole).max(0.0) } else { 0.0 }
+}
+
+/// Squares of the signal that models are judged by, about its mean in each of `places`, summed.
+pub fn motion(problem: &Problem<'_>, places: &[Place]) -> f64 {
+    let of = |place: &Place| {
+        let y = judged(problem, place);
+        y.len() as f64 * variance(y)
+    };
+    places.iter().map(of).sum()
 }
 
 /// Output-error maximum likelihood over `places`: the plant's and the effects' parameters that minimise the free-run

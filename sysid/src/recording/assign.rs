@@ -6,6 +6,9 @@ use super::options::ColumnMap;
 use super::{Note, NoteKind};
 use crate::error::{Error, ErrorKind, nearest, quote};
 
+/// In an expression, the number of the row from 0, where the file has no column of this name. Its place is behind the last column.
+pub(super) const ROW: &str = "row";
+
 /// A signal and the columns of the file that make it.
 #[derive(Clone, Debug)]
 pub(super) struct Source {
@@ -82,6 +85,7 @@ fn mapped(header: &[String], map: &ColumnMap) -> Result<Source, Error> {
         match (places.next(), places.next()) {
             (Some((index, _)), None) => Ok(index),
             (Some(_), Some(_)) => Err(double_column(name)),
+            (None, _) if name == ROW => Ok(header.len()),
             (None, _) => {
                 let found = format!("{option}: the file has no column {}", quote(name));
                 let advice = "name a column of the file, in the same upper and lower case";
@@ -127,7 +131,8 @@ fn require(sources: &[Source], header: &[String]) -> Result<(), Error> {
         (
             "no column t_s",
             "t_s, the time of each sample in seconds",
-            "--column t_s=NAME, or --column 't_s=NAME*0.001' for milliseconds",
+            "--column t_s=NAME, or --column 't_s=NAME*0.001' for milliseconds; where no time was logged, --column 't_s=row*0.01' \
+             counts rows of 0.01 s",
         )
     } else if !has(|r| matches!(r, Role::Input(_))) {
         (

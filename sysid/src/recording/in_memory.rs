@@ -1,6 +1,6 @@
 //! Columns that a program has in memory instead of in a file.
 
-use super::assign::{Source, assign};
+use super::assign::{ROW, Source, assign};
 use super::columns::Role;
 use super::table::{LARGEST_TIME, LARGEST_VALUE, Signal, Table};
 use super::{Note, ReadOptions, Recording, missing, on_grid};
@@ -58,6 +58,9 @@ fn table(
     }
     let header: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
     let sources = assign(&header, &options.columns, notes)?;
+    if sources.iter().any(|source| source.places.contains(&header.len())) {
+        columns.push((ROW.into(), Column::Numbers((0..rows).map(|row| row as f64).collect())));
+    }
     let mut uses = vec![0; columns.len()];
     sources.iter().flat_map(|source| &source.places).for_each(|&place| uses[place] += 1);
     let mut table = Table::default();

@@ -60,22 +60,14 @@ fn line_at(bytes: &[u8], offset: usize) -> usize {
     1 + bytes.iter().take(offset).filter(|&&b| b == b'\n').count()
 }
 
-/// Refuses a header that is separated by something else than commas.
-pub(super) fn separator(header: &str) -> Result<(), Error> {
-    if header.contains(',') {
-        return Ok(());
-    }
-    let (name, advice) = if header.contains(';') {
-        (
-            "semicolons",
-            "save it with commas between columns and a point in decimals (many spreadsheets write ; and 0,5)",
-        )
-    } else if header.contains('\t') {
-        ("tabs", "save it with commas between columns")
-    } else {
-        return Ok(());
+/// What separates the columns: semicolons or tabs, where the header has no comma, or the row below as many of them; else commas.
+pub(super) fn separator(header: &str, below: &str) -> u8 {
+    let times = |line: &str, separator: u8| line.bytes().filter(|byte| *byte == separator).count();
+    let separates = |separator: &u8| match times(header, *separator) {
+        0 => false,
+        some => !header.contains(',') || times(below, *separator) == some,
     };
-    Err(Error::new(ErrorKind::Format, format!("columns separated by {name}"), advice).expecting("commas"))
+    [b';', b'\t'].into_iter().find(separates).unwrap_or(b',')
 }
 
 /// What to do about a cell that is not a number.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
-use super::assign::{Source, assign};
+use super::assign::{ROW, Source, assign};
 use super::columns::{KNOWN_COLUMNS, Role};
 use super::expression::Expression;
 use super::options::{ColumnMap, ReadOptions};
@@ -118,17 +118,19 @@ fn check_finite(values: &[f64], largest: f64, column: &str, rows: usize) -> Resu
 /// Splits one line into fields; the buffers are kept from line to line.
 struct Splitter {
     reader: Reader,
+    separator: u8,
     bytes: Vec<u8>,
     ends: Vec<usize>,
     fields: usize,
 }
 
 impl Splitter {
-    fn new() -> Self {
-        Self { reader: ReaderBuilder::new().build(), bytes: vec![0; 4096], ends: vec![0; 256], fields: 0 }
+    fn new(separator: u8) -> Self {
+        let reader = ReaderBuilder::new().delimiter(separator).build();
+        Self { reader, separator, bytes: vec![0; 4096], ends: vec![0; 256], fields: 0 }
     }
 
-    /// Splits `line` (without its line end) at commas, quotes removed.
+    /// Splits `line` (without its line end) at the separators, quotes removed.
     fn split(&mut self, line: &str) -> Result<(), Error> {
         self.reader.reset();
         self.fields = 0;
@@ -160,6 +162,16 @@ impl Splitter {
         let start = if index == 0 { 0 } else { self.ends[index - 1] };
         std::str::from_utf8(&self.bytes[start..self.ends[index]]).unwrap_or_default().trim()
     }
+
+    /// The number in the field of the column called `column`; NaN where there is none. Where no comma separates columns, a comma is
+    /// a decimal one.
+    fn number(&self, index: usize, column: &str) -> Result<f64, Error> {
+        let cell = self.field(index);
+        if self.separator != b',' && cell.bytes().filter(|&byte| byte == b',').count() == 1 {
+            return number(&cell.replace(',', "."), cell, column);
+        }
+        number(cell, cell, column)
+    }
 }
 
 /// The lines that carry data or the header, with their numbers from 1; comments and blank lines are left out.
@@ -173,41 +185,47 @@ fn content_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// The names of the columns.
 pub(super) fn header(bytes: &[u8]) -> Result<Vec<String>, Error> {
     let mut lines = content_lines(sniff::text(bytes)?);
-    Ok(header_of(lines.next(), &mut Splitter::new())?.1)
+    Ok(header_of(lines.next(), lines.next())?.2)
 }
 
-/// The header's line, and the names in it.
-fn header_of(first: Option<(usize, &str)>, splitter: &mut Splitter) -> Result<(usize, Vec<String>), Error> {
+/// The header's line, what splits it and the rows below it, and the names in it.
+fn header_of(
+    first: Option<(usize, &str)>,
+    below: Option<(usize, &str)>,
+) -> Result<(usize, Splitter, Vec<String>), Error> {
     let Some((line, text)) = first else {
         let advice = "check that the logger has written it";
         return Err(Error::new(ErrorKind::Format, "only comments and blank lines", advice)
             .expecting("a header line and one line per sample"));
     };
     let at_header = |error: Error| error.at_line(line);
-    sniff::separator(text).map_err(at_header)?;
+    let mut splitter = Splitter::new(sniff::separator(text, below.map_or("", |(_, row)| row)));
     splitter.split(text).map_err(at_header)?;
     let names: Vec<String> = (0..splitter.fields).map(|i| splitter.field(i).to_owned()).collect();
-    if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+    if names.iter().all(|name| name.replace(',', ".").parse::<f64>().is_ok()) {
         let found = format!("a row of numbers where the header belongs: {}", quote(text));
         let advice = "put a first line with the column names, e.g. t_s,u_rad,q_rad_s";
         return Err(at_header(Error::new(ErrorKind::Column, found, advice)));
     }
-    Ok((line, names))
+    Ok((line, splitter, names))
 }
 
 /// Reads header and rows; errors carry line and column, the caller adds the file.
 pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -> Result<Table, Error> {
     let text = sniff::text(bytes)?;
-    let mut lines = content_lines(text);
-    let mut splitter = Splitter::new();
+    let mut lines = content_lines(text).peekable();
     let first = lines.next();
-    let (header_line, header) = header_of(first, &mut splitter)?;
+    let (header_line, mut splitter, header) = header_of(first, lines.peek().copied())?;
     let header_length = first.map_or(1, |(_, line)| line.len().max(1));
     let sources = assign(&header, &options.columns, notes).map_err(|error| error.at_line(header_line))?;
+    if splitter.separator != b',' {
+        let by = if splitter.separator == b';' { "semicolons" } else { "tabs" };
+        let text = format!("columns separated by {by}: a comma in a number is a decimal one");
+        notes.push(Note::new(NoteKind::Converted, text));
+    }
     let mut filler = Filler::new(header.clone(), sources, text.len() / header_length);
     let mut wrong = Wrong::default();
     let ends = text.ends_with(['\n', '\r']);
-    let mut lines = lines.peekable();
     while let Some((number, line)) = lines.next() {
         match splitter.split(line) {
             Err(error) => wrong.add(error, number),
@@ -250,7 +268,7 @@ impl Wrong {
 
 fn wrong_width(found: usize, expected: usize) -> Error {
     let advice = if found > expected {
-        "delete what is too much (a decimal comma or a comma inside a text also splits a field), or name the columns"
+        "delete what is too much (a decimal comma or a comma inside a text also splits a field: semicolons or tabs between columns let it stand), or name the columns"
     } else {
         "complete the row, or delete it: a log that was cut off often ends in half a row"
     };
@@ -284,7 +302,8 @@ impl Filler {
 
     fn push(&mut self, row: &Splitter, line: usize, wrong: &mut Wrong) {
         let table = &mut self.table;
-        let mut take = |source: &Source, largest| match value(row, &self.header, source, largest) {
+        let place = table.t.len();
+        let mut take = |source: &Source, largest| match value(row, place, &self.header, source, largest) {
             Ok(value) => value,
             Err(error) => {
                 wrong.add(error, line);
@@ -328,22 +347,35 @@ fn cell<'r>(row: &'r Splitter, source: &Source) -> &'r str {
     source.places.first().map_or("", |&place| row.field(place))
 }
 
-/// What the expression of `source` gives in this row, in SI units; NaN where a cell is missing or it divides by zero.
-fn value(row: &Splitter, header: &[String], source: &Source, largest: f64) -> Result<f64, Error> {
+/// What the expression of `source` gives in this row, which is the one at `place`, in SI units; NaN where a cell is missing or it
+/// divides by zero.
+fn value(
+    row: &Splitter,
+    place: usize,
+    header: &[String],
+    source: &Source,
+    largest: f64,
+) -> Result<f64, Error> {
+    let name = |column: usize| header.get(column).map_or(ROW, String::as_str);
+    let number = |column: usize| match column < header.len() {
+        true => row.number(column, name(column)),
+        false => Ok(place as f64),
+    };
     let beyond = |found: String, column: &str| {
         let found = format!("{found}, beyond any measurement in this unit (±{largest:e})");
         let advice = "look for a broken logger or a wrong unit; correct the cell or delete the row";
         Err(Error::new(ErrorKind::Value, found, advice).in_column(column).expecting("a finite number"))
     };
-    if let [place] = source.places[..]
+    if let [column] = source.places[..]
         && source.expression.as_column().is_some()
     {
-        let cell = row.field(place);
-        let value = source.factor * number(cell, &header[place])?;
+        let raw = number(column)?;
+        let value = source.factor * raw;
         let fits = value.is_nan() || value.abs() <= largest;
-        return if fits { Ok(value) } else { beyond(format!("found {}", quote(cell)), &header[place]) };
+        let found = || if column < header.len() { quote(row.field(column)) } else { raw.to_string() };
+        return if fits { Ok(value) } else { beyond(format!("found {}", found()), name(column)) };
     }
-    let cells = source.places.iter().map(|&place| number(row.field(place), &header[place]));
+    let cells = source.places.iter().map(|&column| number(column));
     let value = source.factor * source.expression.value(&cells.collect::<Result<Vec<f64>, Error>>()?);
     match value {
         _ if value.abs() <= largest => Ok(value),
@@ -352,9 +384,9 @@ fn value(row: &Splitter, header: &[String], source: &Source, largest: f64) -> Re
     }
 }
 
-/// The number in a cell; NaN where there is none.
-fn number(cell: &str, column: &str) -> Result<f64, Error> {
-    let parsed = cell.parse::<f64>();
+/// The number in `text`, which stands as `cell` in the file; NaN where there is none.
+fn number(text: &str, cell: &str, column: &str) -> Result<f64, Error> {
+    let parsed = text.parse::<f64>();
     let (found, advice) = match parsed {
         Ok(raw) if raw.is_finite() => return Ok(raw),
         _ if missing::is_missing(cell) => return Ok(f64::NAN),

@@ -11,6 +11,8 @@
 //! r_k = x_k − (x_{k−1} + x_{k+1})/2,    |r_k| > 4 · 99.5 % point of |r|,    r_{k±1} of the other sign, beyond |r_k|/4
 //! ```
 //!
+//! The point is that of the rows which are left without the hundredth part that goes out furthest, and the rows beside these.
+//!
 //! Up to five in a row are bridged by a straight line and told by line; longer stretches are motion, and a signal with many of
 //! them has heavy tails, which is another matter.
 
@@ -126,7 +128,13 @@ fn wild_rows(values: &[f64]) -> Vec<Range<usize>> {
 /// Rows that alone are far from the line through their neighbours.
 fn out_and_back(values: &[f64], resolution: f64) -> Vec<usize> {
     let bend = |k: usize| values[k] - 0.5 * (values[k - 1] + values[k + 1]);
-    let mut sizes: Vec<f64> = (1..values.len() - 1).map(|k| bend(k).abs()).collect();
+    // wild samples, which bend the rows beside them too, say nothing of what is usual
+    let mut by_size: Vec<usize> = (1..values.len() - 1).collect();
+    by_size.sort_by(|&a, &b| bend(b).abs().total_cmp(&bend(a).abs()));
+    let mut aside = vec![false; values.len()];
+    let most = (MOST * values.len() as f64).ceil() as usize;
+    by_size.iter().take(most).for_each(|&k| aside[k - 1..=k + 1].fill(true));
+    let mut sizes: Vec<f64> = by_size.into_iter().filter(|&k| !aside[k]).map(|k| bend(k).abs()).collect();
     let place = ((sizes.len() - 1) as f64 * USUAL) as usize;
     let usual = *sizes.select_nth_unstable_by(place, f64::total_cmp).1;
     let limit = OUT_AND_BACK * usual.max(resolution);
@@ -172,6 +180,10 @@ mod tests {
     #[test]
     fn one_row_out_and_back_is_wild_though_it_stays_within_the_motion() {
         assert_eq!(wild_rows(&signal(&[(900, 0.3), (1500, -0.3)])), [900..901, 1500..1501]);
+        // three in a short recording
+        let short = |wild: &[(usize, f64)]| wild_rows(&signal(wild)[..600]);
+        assert_eq!(short(&[(100, 0.3), (250, 0.25), (500, 0.3)]), [100..101, 250..251, 500..501]);
+        assert!(short(&[]).is_empty());
         // as far as the noise goes elsewhere, and a step
         assert!(wild_rows(&signal(&[(900, 0.05)])).is_empty());
         let mut step = signal(&[]);

@@ -43,6 +43,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         q: 0.3,
         theta: 0.1,
         turned: 0.8,
+        angles: [0.0; 3],
         moment: 0.35,
         step: STEP,
         duration: rows as f64 * STEP,

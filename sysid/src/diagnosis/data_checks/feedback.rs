@@ -16,7 +16,8 @@
 //! motion, before which no input can have acted that is new there: l = 0 is a test of its own, but where the rows are averages,
 //! in which the input acts. Outputs that were interpolated between uneven stamps hold what came up to a row later: there the inputs
 //! from two rows on count. Where nothing is new between the switches, there is an excitation and nothing else; where
-//! something is, averages rule nothing out. Dwells that follow the motion as far as the input made it, and no further, decide
+//! something is, averages rule nothing out. What is new in a few places alone, as a ramp at the start and a step, is not asked: a
+//! model that lacks something errs alike all along a ramp. Dwells that follow the motion as far as the input made it, and no further, decide
 //! nothing.
 //!
 //! Sources: Haugh, JASA 71, 1976; White's (1980) variance, for errors of uneven size.
@@ -55,8 +56,11 @@ const LEAST_SHARE: f64 = 0.005;
 const OVERRIDDEN: f64 = 0.5;
 /// Fewest samples that are tested.
 const FEWEST: usize = 200;
+/// Stretches that a section is cut into, and how many of them at least the news must come from.
+const STRETCHES: usize = 20;
+const FEWEST_STRETCHES: f64 = 5.0;
 /// Name of the check.
-const CAUSE: &str = "feedback";
+pub const FEEDBACK: &str = "feedback";
 
 /// What is known of each section's loop.
 #[derive(Default)]
@@ -176,14 +180,14 @@ impl Loops {
             let gravity = if heavy { Gravity::Headline } else { Gravity::Told };
             let words =
                 format!("{} (free runs are biased by it, one-step predictions are not)", parts.join("; "));
-            return DataCheck::found(CAUSE, gravity, words);
+            return DataCheck::found(FEEDBACK, gravity, words);
         }
         let by_design = match self.closed.as_slice() {
             [] => String::new(),
             labels => format!("; a closed loop by design: {}", labels.join(", ")),
         };
         let Some(least) = self.tests.iter().map(|(_, test)| test.p_value).min_by(f64::total_cmp) else {
-            return DataCheck::cannot_tell(CAUSE, format!("no section that could be tested{by_design}"));
+            return DataCheck::cannot_tell(FEEDBACK, format!("no section that could be tested{by_design}"));
         };
         let mut undecided: Vec<String> =
             self.dwells.iter().filter(|(_, p)| *p < self.limit()).map(|(label, _)| called(label)).collect();
@@ -194,7 +198,7 @@ impl Loops {
                  own, and cannot tell the two apart{by_design}",
                 undecided.join(", ")
             );
-            return DataCheck::cannot_tell(CAUSE, words);
+            return DataCheck::cannot_tell(FEEDBACK, words);
         }
         let mut labels: Vec<String> = self.tests.iter().map(|(label, _)| called(label)).collect();
         labels.dedup();
@@ -205,14 +209,14 @@ impl Loops {
                 self.averaged,
                 digits(least)
             );
-            return DataCheck::cannot_tell(CAUSE, words);
+            return DataCheck::cannot_tell(FEEDBACK, words);
         }
         let words = format!(
             "in {} the motion says nothing of later inputs (least p = {}){by_design}",
             labels.join(", "),
             digits(least)
         );
-        DataCheck::ruled_out(CAUSE, words)
+        DataCheck::ruled_out(FEEDBACK, words)
     }
 }
 
@@ -343,6 +347,9 @@ impl Section<'_> {
 
     /// Of innovations and what is new in the input `lags` rows later.
     fn sums(&self, channels: &[Vec<f64>], new: &[f64], counts: &[bool], lags: &[usize]) -> Option<Test> {
+        if news_from(new, counts) < FEWEST_STRETCHES {
+            return None;
+        }
         let (mut sum, mut share, mut fewest) = (0.0, 0.0, usize::MAX);
         for &lag in lags {
             // Rows without the supervisor from the innovation to the input that is new.
@@ -377,6 +384,20 @@ fn typical_size(values: &[f64], counts: &[bool]) -> f64 {
     (counted().map(|v| v * v).sum::<f64>() / counted().count().max(1) as f64).sqrt()
 }
 
+/// How many of the section's [`STRETCHES`] what is new comes from: (Σ E)² / Σ E² of their energies.
+fn news_from(new: &[f64], counts: &[bool]) -> f64 {
+    let long = new.len().div_ceil(STRETCHES).max(1);
+    let energy = |(new, counts): (&[f64], &[bool])| {
+        new.iter().zip(counts).filter(|(_, c)| **c).map(|(w, _)| w * w).sum::<f64>()
+    };
+    let (sum, squares) = new
+        .chunks(long)
+        .zip(counts.chunks(long))
+        .map(energy)
+        .fold((0.0, 0.0), |(a, b), e| (a + e, b + e * e));
+    if squares > 0.0 { sum * sum / squares } else { 0.0 }
+}
+
 /// The same by the median, as it is for normal numbers.
 fn median_size(values: &[f64], counts: &[bool]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().zip(counts).filter(|(_, c)| **c).map(|(v, _)| v.abs()).collect();
@@ -404,4 +425,37 @@ fn uncorrelated(innovations: &[Output]) -> Vec<Vec<f64>> {
     let slope = product(0, 1) / product(0, 0).max(f64::MIN_POSITIVE);
     let second: Vec<f64> = innovations.iter().map(|e| e[1] - slope * e[0]).collect();
     [first, second].into_iter().filter(|channel| channel.iter().any(|e| *e != 0.0)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a section says of the motion that one row later is its input, but for what is new in it.
+    fn asked(u: &[f64], e: impl Fn(usize, f64) -> f64) -> Option<Test> {
+        let noise = |k: usize| (0.7 * (k * k % 1009) as f64).sin();
+        let e: Vec<Output> = (0..u.len()).map(|k| [e(k, noise(k)), 0.0]).collect();
+        let supervised = vec![false; u.len()];
+        let section = Section {
+            u,
+            e: &e,
+            supervised: &supervised,
+            step: 0.05,
+            averaged: 1,
+            interpolated: false,
+            dwells: None,
+        };
+        section.test().map(|(test, _)| test)
+    }
+
+    #[test]
+    fn a_ramp_along_which_a_model_errs_is_not_asked_and_feedback_is() {
+        let ramp: Vec<f64> = (0..400).map(|k| if k < 200 { k.min(30) as f64 } else { 35.0 }).collect();
+        assert!(asked(&ramp, |k, noise| noise + if k < 30 { 3.0 } else { 0.0 }).is_none());
+        let noise = |k: usize| (0.7 * (k * k % 1013) as f64).sin();
+        let moved: Vec<f64> = (0..400).map(noise).collect();
+        let fed_back = asked(&moved, |k, noise| noise + if k < 399 { 2.0 * moved[k + 1] } else { 0.0 });
+        assert!(fed_back.is_some_and(|test| test.p_value < ODDS));
+        assert!(asked(&moved, |_, noise| noise).is_some_and(|test| test.p_value > ODDS));
+    }
 }

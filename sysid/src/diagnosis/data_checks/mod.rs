@@ -26,7 +26,7 @@ use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Locus;
 use crate::recording::{NoteKind, Recording};
-pub use feedback::Loops;
+pub use feedback::{FEEDBACK, Loops};
 use input::Response;
 use serde::Serialize;
 

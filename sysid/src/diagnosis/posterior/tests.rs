@@ -293,7 +293,7 @@ fn lags(lag: f64, angle: bool, beside: &[&str]) -> (Vec<(&'static str, f64)>, [f
         let [servo, gyro] = [1, 2].map(|i| &models.visited[i].fit);
         let unpacked = [servo, gyro].map(|fit| problem.unpack(&fit.effects, &fit.minimum.values));
         let [a, b] = &unpacked;
-        let ahead = indistinct_ahead(problem, [a, b], &problem.data.places(), LAG_HORIZON_S).unwrap();
+        let ahead = indistinct_ahead(problem, [a, b], &problem.data.places(), LAG_HORIZONS_S[0]).unwrap();
         let findings = models.findings(problem, if beside.is_empty() { 1 } else { 3 });
         let rivals = finding(&findings, "servo_lag").rivals.iter();
         (

@@ -81,7 +81,7 @@ fn what_speaks_against_a_name_is_told_the_loop_first() {
     assert_eq!(one.objection(), Some(Objection::Partly(0.7)));
     let unstable = Grounds { unstable: true, ..one };
     assert_eq!(unstable.objection(), Some(Objection::Unstable));
-    assert_eq!(Grounds { lost_in_the_loop: true, ..unstable }.objection(), Some(Objection::LostInTheLoop));
+    assert_eq!(Grounds { unseen: true, ..unstable }.objection(), Some(Objection::Unseen));
     assert_eq!(Grounds { named: 0, ..unstable }.objection(), None);
     assert_eq!(Grounds { gained_by_names: 90.0, ..one }.objection(), None);
 }
@@ -145,7 +145,7 @@ fn names_that_leave_next_to_nothing_of_the_motion_are_the_answer_whatever_is_sig
     assert_eq!(Grounds { closed: 0.97, ..left }.verdict(), Named);
     assert_eq!(Grounds { closed: 0.97, rivals: true, ..left }.verdict(), Ambiguous);
     assert_eq!(Grounds { closed: 0.97, unstable: true, ..left }.verdict(), Unlisted);
-    assert_eq!(Grounds { closed: 0.97, lost_in_the_loop: true, ..left }.verdict(), Unlisted);
+    assert_eq!(Grounds { closed: 0.97, unseen: true, ..left }.verdict(), Unlisted);
 }
 
 #[test]
