@@ -18,6 +18,7 @@ const SIZES: Amplitudes = Amplitudes {
     q: 0.3,
     theta: 0.1,
     turned: 0.8,
+    angles: [0.0; 3],
     moment: 0.345,
     step: 0.02,
     duration: 90.0,

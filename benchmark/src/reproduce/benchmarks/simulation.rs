@@ -170,6 +170,7 @@ mod tests {
             q: 0.7,
             theta: 0.5,
             turned: 3.0,
+            angles: [0.0; 3],
             moment: 2.6,
             step: STEP,
             duration: 15.0,
