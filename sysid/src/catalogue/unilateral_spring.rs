@@ -51,7 +51,7 @@ impl Effect for UnilateralSpring {
         let unit = data.moment / data.theta;
         let [low, high] = slack(data);
         let within = |theta_0: &f64| low < *theta_0 && *theta_0 < high;
-        let aside = [low.max(0.0), high.min(0.0)].into_iter().find(|edge| *edge != 0.0).unwrap_or(0.0);
+        let aside = if low > 0.0 { low } else { high.min(0.0) };
         let starts = [-1.2, -0.4, 0.4, 1.2].map(|share| aside + share * data.theta);
         starts.into_iter().filter(within).map(|theta_0| vec![0.5 * unit, theta_0]).collect()
     }

@@ -130,9 +130,9 @@ fn out_and_back(values: &[f64], resolution: f64) -> Vec<usize> {
     let bend = |k: usize| values[k] - 0.5 * (values[k - 1] + values[k + 1]);
     // wild samples, which bend the rows beside them too, say nothing of what is usual
     let mut by_size: Vec<usize> = (1..values.len() - 1).collect();
-    by_size.sort_by(|&a, &b| bend(b).abs().total_cmp(&bend(a).abs()));
-    let mut aside = vec![false; values.len()];
     let most = (MOST * values.len() as f64).ceil() as usize;
+    by_size.select_nth_unstable_by(most, |&a, &b| bend(b).abs().total_cmp(&bend(a).abs()).then(a.cmp(&b)));
+    let mut aside = vec![false; values.len()];
     by_size.iter().take(most).for_each(|&k| aside[k - 1..=k + 1].fill(true));
     let mut sizes: Vec<f64> = by_size.into_iter().filter(|&k| !aside[k]).map(|k| bend(k).abs()).collect();
     let place = ((sizes.len() - 1) as f64 * USUAL) as usize;
