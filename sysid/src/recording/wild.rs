@@ -114,7 +114,9 @@ fn wild_rows(values: &[f64]) -> Vec<Range<usize>> {
         away(k) > FAR * NORMAL * local[k].1.max(usual).max(resolution) && away(k) > OF_ALL * deviation
     };
     let mut stretches: Vec<Range<usize>> = Vec::new();
-    let out_and_back = out_and_back(values, resolution);
+    // beside a wild row every row bends
+    let mut out_and_back = out_and_back(values, resolution);
+    out_and_back.retain(|&k| !far(k - 1) && !far(k + 1));
     for k in (0..values.len()).filter(|k| far(*k) || out_and_back.contains(k)) {
         match stretches.last_mut() {
             Some(last) if last.end == k => last.end += 1,
@@ -175,6 +177,11 @@ mod tests {
         assert!(wild_rows(&signal(&[])).is_empty());
         let found = wild_rows(&signal(&[(0, 5.0), (700, 5.0), (900, -9.0), (901, -9.0), (1999, 9.0)]));
         assert_eq!(found, [0..1, 700..701, 900..902, 1999..2000]);
+        // at the ends of five in a row, every way, the rows beside them are not wild
+        for heights in [[5.0, -5.0, 4.0, -4.0, 5.0], [-3.0, 2.0, 4.0, 5.0, -3.0]] {
+            let five: Vec<(usize, f64)> = (900..).zip(heights).collect();
+            assert_eq!(wild_rows(&signal(&five)), [900..905], "{heights:?}");
+        }
     }
 
     #[test]
