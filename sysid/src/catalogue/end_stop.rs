@@ -59,3 +59,22 @@ impl Effect for EndStop {
         -p[1] * (theta - theta.clamp(-p[0], p[0]))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stop_is_free_for_a_quarter_of_the_time_at_the_least() {
+        let free = |angles: [f64; 3]| {
+            let data = Amplitudes { theta: 0.1, moment: 1.0, angles, ..Amplitudes::default() };
+            let [stop, _] = EndStop.parameters(&data).try_into().unwrap_or_else(|_| panic!());
+            let starts = EndStop.starts(&data);
+            assert!(starts.iter().all(|start| stop.lower < start[0] && start[0] < stop.upper), "{starts:?}");
+            [stop.lower, stop.upper]
+        };
+        assert_eq!(free([-0.05, 0.05, 0.2]), [0.03, 0.4], "about level");
+        assert_eq!(free([0.25, 0.35, 0.6]), [0.25, 0.6], "aside: three quarters of the time beyond 0.25");
+        assert_eq!(free([-0.35, -0.25, 0.6]), [0.25, 0.6], "on the other side");
+    }
+}

@@ -79,4 +79,18 @@ mod tests {
         assert!((moment(0.1, 0.3) + 0.6).abs() < 1e-12 && (moment(-0.1, -0.3) - 0.6).abs() < 1e-12);
         assert_eq!([moment(0.1, 0.05), moment(0.1, -0.3), moment(-0.1, 0.3), moment(-0.1, -0.05)], [0.0; 4]);
     }
+
+    #[test]
+    fn a_cable_is_slack_for_a_quarter_of_the_time_at_the_least() {
+        let slack = |angles: [f64; 3]| {
+            let data = Amplitudes { theta: 0.1, moment: 1.0, angles, ..Amplitudes::default() };
+            let starts = UnilateralSpring.starts(&data);
+            let [low, high] = slack(&data);
+            assert!(!starts.is_empty() && starts.iter().all(|start| low < start[1] && start[1] < high));
+            [low, high]
+        };
+        assert_eq!(slack([-0.05, 0.05, 0.2]), [-0.4, 0.4], "about level");
+        assert_eq!(slack([0.25, 0.35, 0.6]), [0.25, 0.6], "aside: three quarters of the time beyond 0.25");
+        assert_eq!(slack([-0.35, -0.25, 0.6]), [-0.6, -0.25], "on the other side");
+    }
 }

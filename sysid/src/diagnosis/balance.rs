@@ -114,8 +114,7 @@ impl Balance {
         let effect = self.effect(of_model, dm_du, answer.effects.is_empty());
         model.effects.push(entry(effect.parameters[0].value));
         let told = format!("{held} Missing from the model: {}.", in_a_phrase(&effect));
-        let stronger = |other: &EffectAnswer| other.evidence.log_evidence > effect.evidence.log_evidence;
-        let place = answer.effects.iter().take_while(|other| stronger(other)).count();
+        let place = place_among(answer.effects.iter().map(|e| &e.evidence), &effect.evidence);
         answer.summary = match place {
             0 => format!("{told} {}", answer.summary),
             _ => format!("{} {told}", answer.summary),
@@ -184,6 +183,11 @@ impl Balance {
     }
 }
 
+/// Where a term with this evidence is told: after all that have more.
+fn place_among<'e>(others: impl Iterator<Item = &'e Evidence>, own: &Evidence) -> usize {
+    others.take_while(|other| other.log_evidence > own.log_evidence).count()
+}
+
 fn entry(moment: f64) -> EffectEntry {
     let parameters = BTreeMap::from([("M0".to_owned(), moment)]);
     EffectEntry { id: TrimOffset.about().id.into(), shape: None, parameters, remark: None }
@@ -228,6 +232,13 @@ fn mean_with_error(spans: &[f64]) -> Option<Measured> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_trim_is_told_after_what_has_more_evidence() {
+        let evidence = |log_evidence: f64| Evidence { log_evidence, ..Evidence::default() };
+        let place = |own: f64| place_among([50.0, 20.0, 30.0].map(evidence).iter(), &evidence(own));
+        assert_eq!([60.0, 40.0, 20.0, 10.0].map(place), [0, 1, 1, 3]);
+    }
 
     #[test]
     fn spans_that_hang_together_are_fewer() {
