@@ -21,7 +21,7 @@ use crate::catalogue::shapes::SHAPES;
 use crate::catalogue::slow_moment::SlowMoment;
 use crate::dataset::Place;
 use crate::likelihood::evidence::Information;
-use crate::likelihood::fit::{Fit, SKETCH, fit as fit_from, refit, settled};
+use crate::likelihood::fit::{Fit, SKETCH, fit as fit_from, fit_afresh, refit, settled};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::progress::{Progress, Step};
@@ -123,13 +123,13 @@ pub fn select(
 }
 
 fn searched(mut search: Search<'_, '_>, baseline: Fit) -> Option<Selection> {
-    let mut current = search.visit(baseline)?;
-    current = search.with_third_pole(current);
+    let plain = search.visit(baseline)?;
+    let baseline = search.with_third_pole(plain);
+    let mut current = search.with_what_is_read(baseline);
     for _ in 0..MOST_TERMS {
         search.begin(format!("trying the catalogue's effects on top of {}", search.described(current)));
         let all = search.candidates.named.clone();
         let round = search.one_more(current, &all);
-        current = round.before;
         let best = search.best(&round.after);
         search.rounds.push(round);
         match best {
@@ -137,7 +137,6 @@ fn searched(mut search: Search<'_, '_>, baseline: Fit) -> Option<Selection> {
             _ => break,
         }
     }
-    let baseline = search.rounds.first().map_or(current, |round| round.before);
     search.begin("dropping and exchanging effects".into());
     let named = search.exchange(current);
     let named = search.simplest(named, baseline);
@@ -206,6 +205,23 @@ impl Search<'_, '_> {
         let fits: Vec<Fit> =
             prospects.par_iter().filter_map(|p| refit(self.problem, &p.effects, &p.values)).collect();
         let after: Vec<usize> = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
+        self.best(&after).filter(|&best| self.improvement(best, place) > 0.0).unwrap_or(place)
+    }
+
+    /// The model at `place`, or that with a candidate of which nothing is left to fit, as the limit of a sensor that the log shows,
+    /// where it is more probable. Its gain is all in what else moves, which no step from the optimum without it sees: it is fitted
+    /// from the user's model.
+    fn with_what_is_read(&mut self, place: usize) -> usize {
+        let sizes = &self.problem.sizes;
+        let read = |e: &&'static dyn Effect| {
+            let own = e.starts(sizes).into_iter().next()?;
+            (own.len() == 1 && e.beyond_data(&own, sizes).is_some()).then_some((*e, own))
+        };
+        let all: Vec<(&'static dyn Effect, Vec<f64>)> =
+            self.candidates.named.iter().filter_map(read).collect();
+        let fits: Vec<Fit> = all.iter().filter_map(|(e, own)| fit_afresh(self.problem, &[*e], own)).collect();
+        let visited: Vec<usize> = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
+        let after: Vec<usize> = visited.into_iter().map(|i| self.with_third_pole(i)).collect();
         self.best(&after).filter(|&best| self.improvement(best, place) > 0.0).unwrap_or(place)
     }
 

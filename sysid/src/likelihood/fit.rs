@@ -72,11 +72,18 @@ pub const FINISH: Effort = Effort { iterations: 40, tolerance: 0.02 };
 
 /// Fits the baseline: a few iterations from every disturbance strength, then the best to the end.
 pub fn fit_baseline(problem: &Problem<'_>) -> Option<Fit> {
-    let sketch =
-        |share: &f64| sketch(problem, &[], &[problem.plant_start(), problem.noise_start(*share)].concat());
+    fit_afresh(problem, &[], &[])
+}
+
+/// The same with `effects` beside the baseline, which begin at the values `own`.
+pub fn fit_afresh(problem: &Problem<'_>, effects: &[&'static dyn Effect], own: &[f64]) -> Option<Fit> {
+    let sketch = |share: &f64| {
+        let start = [&problem.plant_start()[..], &problem.noise_start(*share), own].concat();
+        fit(problem, effects, &start, SKETCH)
+    };
     let sketches: Vec<Fit> = STRENGTHS.par_iter().filter_map(sketch).collect();
     let best = sketches.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion()))?;
-    refit(problem, &[], &best.minimum.values).map(|fit| settled(problem, fit))
+    refit(problem, effects, &best.minimum.values).map(|fit| settled(problem, fit))
 }
 
 /// `fit`, or the same effects fitted from a band-passed disturbance where that is better: a low pass of two poles does
@@ -93,10 +100,6 @@ pub fn settled(problem: &Problem<'_>, fit: Fit) -> Fit {
 /// Fits `effects` from given values to the end.
 pub fn refit(problem: &Problem<'_>, effects: &[&'static dyn Effect], start: &[f64]) -> Option<Fit> {
     fit(problem, effects, start, FINISH)
-}
-
-fn sketch(problem: &Problem<'_>, effects: &[&'static dyn Effect], start: &[f64]) -> Option<Fit> {
-    fit(problem, effects, start, SKETCH)
 }
 
 /// Fits `effects` from given values with some effort.

@@ -1,9 +1,11 @@
 use super::*;
 use crate::catalogue::{CATALOGUE, find};
-use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model};
+use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model, normal};
 use crate::diagnosis::fixture::{asked, effects, extended, flight_with, flown_by, lagging};
 use crate::diagnosis::posterior::Finding;
 use crate::likelihood::fit::fit_baseline;
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
 
 /// What is selected for a flight of the model with another delay.
 fn with_delay<T>(delay: f64, ask: impl Fn(&Problem<'_>, &Selection, Vec<Finding>) -> T) -> T {
@@ -91,5 +93,24 @@ fn a_lag_that_was_cut_in_two_is_handed_on_whole() {
         assert_eq!((whole.len(), whole[0].ids()), (1, vec!["servo_lag"]));
         assert!((whole[0].minimum.values[servo] - 0.25).abs() < 0.02, "{}", whole[0].minimum.values[servo]);
         assert!(handed_on(problem, &extended(problem, plain, &effects(&["servo_lag"])), 0).is_empty());
+    });
+}
+
+#[test]
+fn a_limit_that_the_log_shows_is_found_however_far_the_rest_has_to_move() {
+    let mut random = Pcg64::seed_from_u64(5);
+    let mut air = vec![0.0];
+    for k in 0..2000 {
+        air.push(0.9 * air[k] + 0.3 * normal(&mut random));
+    }
+    let mut flown = flown_by(1, flight(1, 0.0).u, |k, _, _| air[k]);
+    flown.q.iter_mut().for_each(|q| *q = q.clamp(-0.2, 0.2));
+    asked(&flown, |problem, plain| {
+        let selection = select(problem, plain.clone(), CATALOGUE, &[], &|_| ()).unwrap();
+        assert!(selection.visited[selection.baseline].names().is_empty());
+        let fit = &selection.visited[selection.extended].fit;
+        let gain = problem.unpack(&fit.effects, &fit.minimum.values).plant.dm_du;
+        assert!(fit.position("gyro_saturation").is_some(), "{:?}", fit.ids());
+        assert!((gain / GAIN - 1.0).abs() < 0.1, "{gain}: without the limit it is an eighth of it");
     });
 }
