@@ -158,11 +158,18 @@ class ModelFit:
 
 @dataclass
 class Fit:
-    """Baseline against extended model; ``held_out`` by models that never saw the section."""
+    """Baseline against extended model; ``held_out`` by models that never saw the section.
+
+    Attributes
+    ----------
+    predicted : str or None
+        How far ahead the terms tell the motion held out: ``far``, ``near`` or ``little``; ``None`` where none was held out.
+    """
 
     baseline: ModelFit
     extended: ModelFit
     held_out: dict[str, dict[str, Any]]
+    predicted: str | None
     chosen_in: dict[str, tuple[int, int]]
     ceiling_vaf_percent: dict[str, Number]
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use sysid::diagnosis::answer::{
     Alternative, Answer, Dependence, EffectAnswer, Evidence, FailedTest, FitAnswer, HeldOutAnswer, Location,
-    ModelAnswer, NextExperiment, Remainder, VafAnswer, Verdict, WithError,
+    ModelAnswer, NextExperiment, Predicted, Remainder, VafAnswer, Verdict, WithError,
 };
 use sysid::diagnosis::data_checks::{DataCheck, Gravity};
 use sysid::diagnosis::questions::questions;
@@ -70,6 +70,7 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
             baseline: model(79.6, plant()),
             extended: model(96.3, after),
             held_out: ["I", HOSTILE].map(|label| (label.to_owned(), held(label))).into(),
+            predicted: Some(Predicted::Far),
             chosen_in: BTreeMap::new(),
             ceiling_vaf_percent: BTreeMap::from([("I".into(), 97.0)]),
         },

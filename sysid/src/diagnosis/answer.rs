@@ -124,7 +124,7 @@ pub struct Alternative {
 }
 
 /// What speaks for a term: it alone, the model with it against the model without it.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Evidence {
     /// Gain of the log posterior, calibrated by blocks.
     pub log_evidence: f64,
@@ -216,10 +216,24 @@ pub struct FitAnswer {
     pub extended: ModelAnswer,
     /// By section: VAF of models that were selected and fitted without that section.
     pub held_out: BTreeMap<String, HeldOutAnswer>,
+    /// How far ahead the terms tell the motion of sections held out; none where none was.
+    pub predicted: Option<Predicted>,
     /// For each term, in how many of how many rotations it was chosen.
     pub chosen_in: BTreeMap<String, [usize; 2]>,
     /// By section, what an unstructured linear model reaches that was fitted to the section itself.
     pub ceiling_vaf_percent: BTreeMap<String, f64>,
+}
+
+/// How far ahead a model tells the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Predicted {
+    /// At least half of it 1 s ahead.
+    Far,
+    /// At least half of what its past does not tell of the next 0.1 s, as where gusts drive it.
+    Near,
+    /// Less.
+    Little,
 }
 
 /// One section, held out.

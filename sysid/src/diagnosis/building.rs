@@ -50,12 +50,8 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
             &selection.visited[judgement.place],
             judgement.names_alone.as_ref(),
         ),
-        held_out: rotation
-            .parts
-            .iter()
-            .zip(rotation.shares())
-            .map(|(part, share)| (part.label.clone(), held_out(part, share)))
-            .collect(),
+        held_out: rotation.parts.iter().map(|part| (part.label.clone(), held_out(part))).collect(),
+        predicted: Some(judgement.predicted),
         chosen_in: judgement.chosen_in(),
         ceiling_vaf_percent: ceilings(problem, parts),
     };
@@ -137,13 +133,13 @@ fn by_horizon(scores: &Scores) -> BTreeMap<&'static str, WithError> {
     HORIZONS.into_iter().zip(scores.horizons.iter().map(|&h| h.into())).collect()
 }
 
-fn held_out(part: &super::rotation::HeldOut, share_of_motion: f64) -> HeldOutAnswer {
+fn held_out(part: &super::rotation::HeldOut) -> HeldOutAnswer {
     let vaf = |scores: &Scores| VafAnswer { free_run: scores.free_run, horizons: by_horizon(scores) };
     HeldOutAnswer {
         baseline: vaf(&part.baseline),
         extended: vaf(&part.extended),
         past_alone: part.past_alone,
-        share_of_motion,
+        share_of_motion: part.share_of_motion,
         terms: part.chosen.iter().map(|id| (*id).to_owned()).collect(),
     }
 }

@@ -1,9 +1,6 @@
 //! Every sentence of the answer that a person reads.
 
-use super::answer::{Answer, EffectAnswer, HeldOutAnswer, VafAnswer, Verdict};
-use super::data_checks::{FEEDBACK, State};
-use super::levels::{SEEN, THE_INPUTS_OWN};
-use super::materiality::beyond_the_past;
+use super::answer::{Answer, EffectAnswer, HeldOutAnswer, Predicted, VafAnswer, Verdict};
 use super::verdict::Objection;
 use crate::catalogue::find;
 use crate::estimate::{Estimate, digits};
@@ -11,7 +8,7 @@ use crate::estimate::{Estimate, digits};
 /// One to three sentences with numbers and units, and what speaks against names that are not the answer.
 pub fn summary(answer: &Answer, objection: Option<Objection>) -> String {
     let mut text = match answer.verdict {
-        Verdict::NoMismatch if answer.fit.held_out.is_empty() || predicts(answer) => format!(
+        Verdict::NoMismatch if answer.fit.predicted.is_none() || predicts(answer) => format!(
             "No mismatch: the model, its parameters estimated again, explains the data down to the noise ({}).",
             figures(answer, false)
         ),
@@ -114,21 +111,9 @@ fn in_reason(objection: Option<Objection>) -> String {
     }
 }
 
-/// Whether the answer's model tells at least half of the motion of parts held out, 1 s ahead or, in an open loop, in the free run.
-fn predicts_far(answer: &Answer) -> bool {
-    let seen = |horizon: Option<&str>| mean_vaf(answer, &|h| &h.extended, horizon) >= SEEN;
-    let closed = || answer.data_checks.iter().any(|c| c.cause == FEEDBACK && c.state == State::Found);
-    seen(Some("1.0")) || seen(None) && !closed()
-}
-
-/// The same, or of what the past of the motion does not tell of the next 0.1 s.
+/// Whether the answer's model tells at least half of the motion of parts held out, or of what its past does not tell.
 pub fn predicts(answer: &Answer) -> bool {
-    predicts_far(answer)
-        || beyond_the_past(answer.fit.held_out.values().map(|part| {
-            let near = part.extended.horizons.get("0.1");
-            let [value, error] = near.map_or([0.0; 2], |vaf| [vaf.value, vaf.standard_error]);
-            (part.share_of_motion, [part.past_alone, value, error])
-        })) >= THE_INPUTS_OWN
+    answer.fit.predicted.is_some_and(|predicted| predicted != Predicted::Little)
 }
 
 /// Mean of `figure` over the parts held out, by their share of the motion.
@@ -150,7 +135,7 @@ fn figures(answer: &Answer, after: bool) -> String {
     let vaf =
         |horizon| [mean_vaf(answer, &|h| &h.baseline, horizon), mean_vaf(answer, &|h| &h.extended, horizon)];
     let ([near, near_after], [before, later]) = (vaf(Some("1.0")), vaf(None));
-    let gusts = !predicts_far(answer) && predicts(answer);
+    let gusts = answer.fit.predicted == Some(Predicted::Near);
     let sections =
         if answer.fit.held_out.len() == 1 { "the section held out" } else { "sections held out in turn" };
     if gusts {

@@ -1,16 +1,15 @@
 //! What is made of a selection: which model is the answer's, what it leaves, how it does on held-out data, the verdict.
 
 use super::adequacy::{Test, failing, tests};
-use super::answer::Verdict;
+use super::answer::{Predicted, Verdict};
 use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
-use super::levels::{
-    ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, SEEN, THE_INPUTS_OWN, WORTH_A_NAME,
-};
-use super::materiality::{beyond_the_past, closed, is_immaterial, says_the_same, vaf_ahead};
+use super::levels::{ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, WORTH_A_NAME};
+use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
+use super::predicted::ahead;
 use super::rotation::{Rotation, TermGain, rotate};
 use super::verdict::Grounds;
 use crate::likelihood::evidence::BLOCK_S;
@@ -47,6 +46,8 @@ pub struct Judgement<'p, 'd> {
     pub failed: Vec<Test>,
     /// Each part held out once.
     pub rotation: Rotation,
+    /// How far ahead the motion of parts held out is told.
+    pub predicted: Predicted,
     /// What the verdict was made of.
     pub grounds: Grounds,
     /// The verdict.
@@ -165,10 +166,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
         }
         let [small, named] =
             [small, named].map(|some| some.into_iter().map(|(_, f)| f).collect::<Vec<Finding>>());
-        // A free run in a loop copies the controller.
-        let little_seen = ahead(&rotation) < SEEN
-            && the_inputs_own(&rotation) < THE_INPUTS_OWN
-            && (fed_back || free_run(&rotation) < SEEN);
+        let predicted = Predicted::new(&rotation);
+        let little_seen = predicted == Predicted::Little;
         let grounds = Grounds {
             data_first: false,
             not_excited: false,
@@ -199,6 +198,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             gust,
             failed,
             rotation,
+            predicted,
             grounds,
             verdict,
         }
@@ -345,24 +345,6 @@ fn turns_about(problem: &Problem<'_>, fit: &Fit, alone: &Fit, effect: &dyn Effec
             && effect.acts_at() != Some(place)
             && fit.minimum.values[i] * alone.minimum.values[j] < 0.0
     })
-}
-
-/// VAF held out at the longest horizon, mean over the parts, per cent.
-fn ahead(rotation: &Rotation) -> f64 {
-    rotation.mean(|part| part.extended.horizons.last().map_or(0.0, |(vaf, _)| *vaf))
-}
-
-/// The same of the free run.
-fn free_run(rotation: &Rotation) -> f64 {
-    rotation.mean(|part| part.extended.free_run)
-}
-
-/// Share of what the outputs' past alone does not tell at the shortest horizon that the model tells, held out.
-fn the_inputs_own(rotation: &Rotation) -> f64 {
-    beyond_the_past(rotation.parts.iter().zip(rotation.shares()).map(|(part, share)| {
-        let (vaf, error) = part.extended.horizons.first().copied().unwrap_or_default();
-        (share, [part.past_alone, vaf, error])
-    }))
 }
 
 #[cfg(test)]

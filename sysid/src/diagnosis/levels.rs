@@ -36,7 +36,7 @@ pub const PARTS: usize = 4;
 pub const HORIZONS_S: [f64; 3] = [0.1, 0.3, 1.0];
 /// VAF of predictions 1 s ahead, held out, per cent, below which nothing is named that is known by how the vehicle follows the
 /// input, unless [`THE_INPUTS_OWN`] is reached: most of the motion is then noise, in a loop that was closed unsaid the noise that
-/// went round it. Where it is open the free run may reach it too. An answer without a name says so below all of them.
+/// went round it. An answer without a name says so below all of them.
 pub const SEEN: f64 = 50.0;
 /// Share of what the past of the motion does not tell of the next 0.1 s that a model surely predicts, held out, from which on the
 /// input is seen in a loop. In gusts nothing predicts a second, be the model the vehicle itself.

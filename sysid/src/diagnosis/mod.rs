@@ -39,6 +39,7 @@ pub mod over_time;
 mod parts;
 mod past_alone;
 mod posterior;
+mod predicted;
 mod prior;
 pub mod questions;
 mod remainder;

@@ -7,13 +7,18 @@
 use super::another_zero::{is_trim, pulls_aside};
 use super::levels::{LAG_HORIZONS_S, PLAUSIBLE};
 use super::locate::indistinct;
+use super::rotation::all_but_the_same;
 use crate::catalogue::shapes::SHAPES;
 use crate::likelihood::evidence::Information;
-use crate::likelihood::fit::Fit;
+use crate::likelihood::fit::{Fit, weights};
 use crate::likelihood::horizon::indistinct_ahead;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
+use nalgebra::Vector2;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// Share of what a term adds to the predictions by which those of two models differ that say the same.
+const SAME_SHARE: f64 = 0.1;
 
 /// A model that was fitted, with what the data say of its parameters.
 pub struct Visited {
@@ -227,12 +232,18 @@ impl Selection {
             let (Some(&rival), None) = (further.next(), further.next()) else { continue };
             let same_class = effect.class().is_some_and(|class| rival.class() == Some(class));
             let mut p = probability(other);
-            if same_class && let Some(counterpart) = self.with_instead(&other.fit, rival, effect, model) {
-                p = p.max(indistinct(problem, counterpart, &other.fit));
+            if let Some(counterpart) = self.with_instead(&other.fit, rival, effect, model) {
+                let neither =
+                    self.fit_of(counterpart.ids().into_iter().filter(|id| *id != effect.about().id));
+                let same = !effect.generalises(rival)
+                    && !rival.generalises(effect)
+                    && !all_but_the_same(effect, rival)
+                    && neither.is_some_and(|neither| explains_the_same([counterpart, &other.fit], neither));
+                if same_class || same {
+                    p = p.max(indistinct(problem, counterpart, &other.fit));
+                }
                 // Without an angle nothing but the noise model tells a lag of the sensor from one of the actuator.
-                if !problem.data.has_angle {
-                    let neither =
-                        self.fit_of(counterpart.ids().into_iter().filter(|id| *id != effect.about().id));
+                if same_class && !problem.data.has_angle {
                     p = p.max(alike_ahead(problem, [counterpart, &other.fit], neither));
                 }
             }
@@ -264,6 +275,17 @@ pub fn alike_ahead(problem: &Problem<'_>, [model, rival]: [&Fit; 2], neither: Op
     };
     let tells = |horizon: &f64| neither.is_none_or(|neither| from(neither, *horizon) < PLAUSIBLE);
     from(rival, LAG_HORIZONS_S.into_iter().find(tells).unwrap_or(LAG_HORIZONS_S[0]))
+}
+
+/// Whether two models' predictions differ by little of what either adds to one with `neither`: how wide the catalogue lets each of
+/// their terms be is then all that tells them apart, and that is no evidence.
+fn explains_the_same([model, rival]: [&Fit; 2], neither: &Fit) -> bool {
+    let (weight, _) = weights(&model.minimum.residuals);
+    let apart = |other: &Fit| -> f64 {
+        let pairs = model.minimum.residuals.iter().zip(&other.minimum.residuals);
+        pairs.map(|(a, b)| Vector2::new(a[0] - b[0], a[1] - b[1])).map(|d| d.dot(&(weight * d))).sum()
+    };
+    apart(rival) < SAME_SHARE * apart(neither)
 }
 
 /// Whether an effect is a shape without a name.

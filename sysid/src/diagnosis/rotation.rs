@@ -34,6 +34,7 @@ pub struct Scores {
 }
 
 /// One rotation.
+#[derive(Default)]
 pub struct HeldOut {
     /// Part that was held out.
     pub label: String,
@@ -43,8 +44,8 @@ pub struct HeldOut {
     pub extended: Scores,
     /// VAF at the first of the horizons of a prediction from the outputs' past alone, fitted without it, per cent.
     pub past_alone: f64,
-    /// Squares of its motion, summed: what it weighs in a mean over the parts.
-    pub motion: f64,
+    /// Its share of the motion of all parts (squares about the mean): what it weighs in a mean over them.
+    pub share_of_motion: f64,
     /// Ids of the terms that were chosen without it.
     pub chosen: Vec<&'static str>,
     /// Where it is.
@@ -80,16 +81,16 @@ pub struct Rotation {
 }
 
 impl Rotation {
+    /// These parts, without findings.
+    #[cfg(test)]
+    pub fn of(parts: Vec<HeldOut>) -> Self {
+        Self { parts, gains: Vec::new() }
+    }
+
     /// Mean of `figure` over the parts, each by its share of the motion: a part in which nothing moves has nothing to explain, and
     /// says little of how well that is done.
     pub fn mean(&self, figure: impl Fn(&HeldOut) -> f64) -> f64 {
-        self.parts.iter().zip(self.shares()).map(|(part, share)| share * figure(part)).sum()
-    }
-
-    /// Each part's share of the motion.
-    pub fn shares(&self) -> Vec<f64> {
-        let all: f64 = self.parts.iter().map(|part| part.motion).sum();
-        self.parts.iter().map(|part| part.motion / all.max(f64::MIN_POSITIVE)).collect()
+        self.parts.iter().map(|part| part.share_of_motion * figure(part)).sum()
     }
 
     /// What the term called `id` gains.
@@ -123,7 +124,7 @@ pub fn rotate(
     };
     let models: Vec<usize> = (0..selection.visited.len()).filter(near).collect();
     let at = |i: usize| models.iter().position(|&m| m == i);
-    let mut rotations = Vec::new();
+    let mut rotations: Vec<HeldOut> = Vec::new();
     let mut gains: Vec<Vec<Turn>> = (0..findings.len()).map(|_| Vec::new()).collect();
     let counted = Counted::new(progress, "holding out each section", models.len() * parts.len());
     for (index, part) in parts.iter().enumerate() {
@@ -180,13 +181,15 @@ pub fn rotate(
             baseline: scores(selection.baseline, baseline),
             extended: scores(models[best], chosen),
             past_alone: vaf_of_the_past_alone(problem, &others, &part.places, HORIZONS_S[0]),
-            motion: motion(problem, &part.places),
+            share_of_motion: motion(problem, &part.places),
             chosen: ids(models[best]),
             places: part.places.clone(),
             baseline_values: baseline.values.clone(),
             model: (effects(models[best]).to_vec(), chosen.values.clone()),
         });
     }
+    let all: f64 = rotations.iter().map(|part| part.share_of_motion).sum();
+    rotations.iter_mut().for_each(|part| part.share_of_motion /= all.max(f64::MIN_POSITIVE));
     let ids = findings.iter().map(|finding| finding.effect.about().id);
     Rotation { parts: rotations, gains: ids.zip(gains.iter().map(|turns| term_gain(turns))).collect() }
 }

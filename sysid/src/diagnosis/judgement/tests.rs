@@ -7,7 +7,6 @@ use super::super::fixture::{
 use super::*;
 use crate::catalogue::find;
 use crate::catalogue::shapes::SHAPES;
-use crate::diagnosis::rotation::Scores;
 use crate::likelihood::evidence::Information;
 use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
@@ -82,32 +81,10 @@ fn a_name_that_neither_explains_nor_predicts_is_told_as_what_is_left() {
     let weak = weaker_at_first(1.0).iter().map(|u| 0.15 * u).collect();
     let flown = flown_by(1, weak, |_, _, theta| -4.0 * theta.sin());
     judged_in_a_loop(&flown, true, |judgement| {
-        assert!(ahead(&judgement.rotation).max(free_run(&judgement.rotation)) < SEEN);
+        assert_eq!(judgement.predicted, Predicted::Little);
         assert_eq!((judgement.verdict, judgement.named.len()), (Verdict::Unlisted, 0));
         assert!(ids(&judgement.small).contains(&"gravity_stiffness"));
         assert!(judgement.grounds.named > 0);
-    });
-}
-
-#[test]
-fn figures_held_out_are_means_over_the_parts() {
-    judged(&flight_with(1, |_, _, theta| -4.0 * theta.sin()), |judgement| {
-        let parts = &judgement.rotation.parts;
-        let all: f64 = parts.iter().map(|part| part.motion).sum();
-        let by_hand = |vaf: fn(&Scores) -> f64| -> f64 {
-            parts.iter().map(|part| part.motion / all * vaf(&part.extended)).sum()
-        };
-        let [longest, free] = [by_hand(|s| s.horizons.last().unwrap().0), by_hand(|s| s.free_run)];
-        assert!(longest > 50.0 && free > 5.0 && longest != free, "{longest} {free}");
-        assert_eq!((ahead(&judgement.rotation), free_run(&judgement.rotation)), (longest, free));
-        assert!(parts.iter().all(|part| part.motion > 0.1 * all), "every part has some");
-        let nearest = parts.iter().map(|part| {
-            let (vaf, error) = part.extended.horizons[0];
-            (part.motion / all, [part.past_alone, vaf, error])
-        });
-        let own = the_inputs_own(&judgement.rotation);
-        assert_eq!(own, beyond_the_past(nearest));
-        assert!(own > 0.1 && own < 0.9, "{own}");
     });
 }
 
@@ -402,11 +379,10 @@ fn a_name_that_no_rotation_chooses_explains_nothing_but_is_kept_where_the_model_
         assert!(judgement.grounds.unstable && judgement.verdict == Verdict::Unlisted);
         let gain = judgement.rotation.gain("gravity_stiffness").unwrap();
         assert!(gain.chosen == 0 && gain.signed_rank > HELD_OUT_ERRORS, "on held-out data it gains");
-        assert!(ahead(&judgement.rotation).max(free_run(&judgement.rotation)) < SEEN);
-        assert!(the_inputs_own(&judgement.rotation) > THE_INPUTS_OWN);
+        assert_eq!(judgement.predicted, Predicted::Near);
         assert_eq!(ids(&judgement.named), ["gravity_stiffness"]);
     });
-    // most of what can be closed is closed by a shape, and a second ahead is seen, of the input's own less than half
+    // most of what can be closed is closed by a shape, and a second ahead is seen
     let shape = *SHAPES.iter().find(|shape| shape.about().id == "of_q").unwrap();
     let stiff = effects(&["gravity_stiffness"])[0];
     let change = |models: &mut Selection| {
@@ -415,8 +391,7 @@ fn a_name_that_no_rotation_chooses_explains_nothing_but_is_kept_where_the_model_
     };
     judged_of(&in_slow_air(1.0, 1.8, 0.98), &[vec![stiff], vec![stiff, shape]], false, change, |judgement| {
         assert!(!judgement.grounds.unstable && judgement.verdict == Verdict::Unlisted);
-        let seen = [ahead(&judgement.rotation), the_inputs_own(&judgement.rotation)];
-        assert!(seen[0] > SEEN && seen[1] < THE_INPUTS_OWN, "{seen:?}");
+        assert_eq!(judgement.predicted, Predicted::Far);
         assert_eq!(ids(&judgement.named), ["gravity_stiffness"]);
     });
     // a name that explains the data is one, however little is predicted
@@ -429,8 +404,7 @@ fn a_name_that_no_rotation_chooses_explains_nothing_but_is_kept_where_the_model_
         false,
         |_| {},
         |judgement| {
-            assert!(ahead(&judgement.rotation).max(free_run(&judgement.rotation)) < SEEN);
-            assert!(the_inputs_own(&judgement.rotation) < THE_INPUTS_OWN);
+            assert_eq!(judgement.predicted, Predicted::Little);
             assert_eq!((judgement.verdict, ids(&judgement.named)), (Verdict::Named, vec!["periodic_moment"]));
         },
     );
@@ -445,16 +419,13 @@ fn names_are_lost_only_where_nothing_of_the_input_is_seen() {
             &sets,
             fed_back,
             |_| {},
-            |judgement| {
-                let seen = [ahead(&judgement.rotation), the_inputs_own(&judgement.rotation)];
-                (judgement.grounds.unseen, seen[0] < SEEN, seen[1] < THE_INPUTS_OWN)
-            },
+            |judgement| (judgement.grounds.unseen, judgement.predicted),
         )
     };
     let rough = in_slow_air(1.0, 2.6, 0.98);
-    assert_eq!([true, false].map(|fed_back| judged(&rough, fed_back)), [(true, true, true); 2]);
-    assert_eq!(judged(&in_slow_air(3.0, 5.0, 0.96), true), (false, true, false));
-    assert_eq!(judged(&in_slow_air(1.0, 1.8, 0.98), true), (false, false, true));
+    assert_eq!([true, false].map(|fed_back| judged(&rough, fed_back)), [(true, Predicted::Little); 2]);
+    assert_eq!(judged(&in_slow_air(3.0, 5.0, 0.96), true), (false, Predicted::Near));
+    assert_eq!(judged(&in_slow_air(1.0, 1.8, 0.98), true), (false, Predicted::Far));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::super::another_zero::about_another_zero;
 use super::super::data_checks::fixture::{Flight, GAIN, fitted, flight, model, normal};
-use super::super::fixture::{asked, effects, extended, flight_with, lagging, selection};
+use super::super::fixture::{asked, effects, extended, flight_with, flown_by, lagging, selection};
 use super::*;
 use crate::catalogue::slow_moment::SlowMoment;
 use rand::SeedableRng;
@@ -316,4 +316,66 @@ fn lags_of_actuator_and_gyro_are_rivals_where_the_noise_or_without_an_angle_the_
     assert!(noise < ahead && rivals == [("gyro_lag", ahead)], "{rivals:?} {noise} {ahead}");
     let (rivals, _) = lags(0.03, false, &["gravity_stiffness"]);
     assert!(rivals.is_empty(), "one name in place of two: {rivals:?}");
+}
+
+/// The rivals of `asked` where `others` are next to excluded by their priors.
+fn however_unlikely(
+    problem: &Problem<'_>,
+    baseline: &Fit,
+    asked: &str,
+    others: &[&str],
+) -> Vec<(&'static str, f64)> {
+    let sets: Vec<_> = [asked].iter().chain(others).map(|id| effects(&[id])).collect();
+    let mut models = selection(problem, baseline, &[], &sets);
+    models.visited[2..].iter_mut().for_each(|model| model.log_prior -= 30.0);
+    let findings = models.findings(problem, 1);
+    finding(&findings, asked).rivals.iter().map(|(rival, p, _)| (rival.about().id, *p)).collect()
+}
+
+#[test]
+fn names_that_explain_the_same_are_rivals_however_wide_their_ranges_are() {
+    let friction = |_, q: f64, _| -0.15 * q.signum();
+    // turning one way, friction is a constant moment
+    let one_way = flown_by(1, flight(1, 0.0).u.iter().map(|u| 0.025 + u).collect(), friction);
+    let mut recording = one_way.recording();
+    recording.theta = None;
+    fitted(&recording, &model(GAIN, 0.06), |_, problem, baseline| {
+        let rivals = however_unlikely(problem, baseline, "coulomb_friction", &["trim_offset"]);
+        assert!(matches!(rivals[..], [("trim_offset", p)] if p > 0.2), "{rivals:?}");
+    });
+    asked(&flight_with(1, friction), |problem, baseline| {
+        let rivals = however_unlikely(problem, baseline, "coulomb_friction", &["trim_offset"]);
+        assert!(rivals.is_empty(), "both ways: {rivals:?}");
+    });
+    asked(&flight_with(1, |_, _, theta| -2.0 * theta.sin()), |problem, baseline| {
+        let rivals = however_unlikely(problem, baseline, "gravity_stiffness", &["linear_stiffness"]);
+        assert!(rivals.is_empty(), "the more usual one stands for both: {rivals:?}");
+    });
+}
+
+#[test]
+fn lags_are_compared_at_the_longest_horizon_that_tells_them_from_none() {
+    let chosen = |air: f64, pole: f64, delay: f64, seed: u64| {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let mut gust = vec![0.0];
+        for k in 0..2000 {
+            gust.push(pole * gust[k] + air * normal(&mut random));
+        }
+        let mut recording = flown_by(1, flight(1, 0.0).u, |k, _, _| gust[k]).recording();
+        recording.theta = None;
+        fitted(&recording, &model(GAIN, delay), |_, problem, baseline| {
+            let [servo, gyro] =
+                ["servo_lag", "gyro_lag"].map(|id| extended(problem, baseline, &effects(&[id])));
+            let unpack = |fit: &Fit| problem.unpack(&fit.effects, &fit.minimum.values);
+            let [a, b, none] = [&servo, &gyro, baseline].map(unpack);
+            let places = problem.data.places();
+            let odds = |other: &_, horizon| indistinct_ahead(problem, [&a, other], &places, horizon).unwrap();
+            let told = LAG_HORIZONS_S.map(|horizon| odds(&none, horizon) < PLAUSIBLE);
+            let alike = alike_ahead(problem, [&servo, &gyro], Some(baseline));
+            (told, LAG_HORIZONS_S.into_iter().find(|horizon| odds(&b, *horizon) == alike))
+        })
+    };
+    assert_eq!(chosen(1.0, 0.98, 0.03, 9), ([true, true], Some(0.3)));
+    assert_eq!(chosen(1.4, 0.995, 0.03, 10), ([false, true], Some(0.1)));
+    assert_eq!(chosen(1.8, 0.9, 0.02, 9), ([false, false], Some(0.3)), "no horizon tells it");
 }

@@ -1,0 +1,67 @@
+//! How far ahead the answer's model tells the motion of parts held out.
+
+use super::answer::Predicted;
+use super::levels::{SEEN, THE_INPUTS_OWN};
+use super::materiality::beyond_the_past;
+use super::rotation::Rotation;
+
+impl Predicted {
+    /// Of the parts held out, by their share of the motion. A free run that tells more than the prediction does copies a
+    /// controller, and does not count.
+    pub fn new(rotation: &Rotation) -> Self {
+        if ahead(rotation) >= SEEN {
+            Self::Far
+        } else if the_inputs_own(rotation) >= THE_INPUTS_OWN {
+            Self::Near
+        } else {
+            Self::Little
+        }
+    }
+}
+
+/// VAF held out at the longest horizon, mean over the parts, per cent.
+pub fn ahead(rotation: &Rotation) -> f64 {
+    rotation.mean(|part| part.extended.horizons.last().map_or(0.0, |(vaf, _)| *vaf))
+}
+
+/// Share of what the outputs' past alone does not tell at the shortest horizon that the model tells, held out.
+fn the_inputs_own(rotation: &Rotation) -> f64 {
+    beyond_the_past(rotation.parts.iter().map(|part| {
+        let (vaf, error) = part.extended.horizons.first().copied().unwrap_or_default();
+        (part.share_of_motion, [part.past_alone, vaf, error])
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rotation::{HeldOut, Scores};
+    use super::*;
+
+    /// A part held out, of `share` of the motion: VAF of the past alone, of the model 0.1 and 1 s ahead.
+    fn part(share: f64, [past_alone, near, far]: [f64; 3]) -> HeldOut {
+        let horizons = vec![(near, 0.5), (80.0, 0.5), (far, 0.5)];
+        let extended = Scores { free_run: 90.0, horizons };
+        HeldOut { extended, past_alone, share_of_motion: share, ..HeldOut::default() }
+    }
+
+    fn of(parts: impl IntoIterator<Item = HeldOut>) -> Predicted {
+        Predicted::new(&Rotation::of(parts.into_iter().collect()))
+    }
+
+    #[test]
+    fn half_of_the_motion_a_second_ahead_is_far_whatever_the_free_run() {
+        let moving = |far| [part(0.9, [90.0, 90.0, far]), part(0.1, [90.0, 90.0, 0.0])];
+        assert_eq!(of(moving(56.0)), Predicted::Far, "0.9 of 56 %");
+        assert_eq!(of(moving(55.0)), Predicted::Little);
+        assert_eq!(ahead(&Rotation::of(moving(55.0).into())), 49.5);
+    }
+
+    #[test]
+    fn in_gusts_what_the_past_does_not_tell_of_the_next_tenth_of_a_second_is_near() {
+        let near = |vaf| [part(0.8, [80.0, vaf, 0.0]), part(0.2, [80.0, vaf, 0.0])];
+        assert_eq!((of(near(92.0)), of(near(90.0))), (Predicted::Near, Predicted::Little));
+        let beside_a_quiet_one = [part(0.98, [80.0, 96.0, 0.0]), part(0.02, [0.0, 0.0, 0.0])];
+        assert_eq!(of(beside_a_quiet_one), Predicted::Near);
+        assert_eq!(of([]), Predicted::Little);
+    }
+}
