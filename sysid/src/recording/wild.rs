@@ -88,7 +88,7 @@ fn bridge_rows(values: &mut [f64], rows: Range<usize>) {
     }
 }
 
-/// Stretches of at most [`MOST_IN_A_ROW`] samples that are far from all around.
+/// Stretches of at most [`MOST_IN_A_ROW`] samples that are far from all around, with what they hide between them.
 fn wild_rows(values: &[f64]) -> Vec<Range<usize>> {
     if values.len() < 4 * HALF_WINDOW {
         return Vec::new();
@@ -113,17 +113,18 @@ fn wild_rows(values: &[f64]) -> Vec<Range<usize>> {
     let far = |k: usize| {
         away(k) > FAR * NORMAL * local[k].1.max(usual).max(resolution) && away(k) > OF_ALL * deviation
     };
-    let mut stretches: Vec<Range<usize>> = Vec::new();
     // beside a wild row every row bends
-    let mut out_and_back = out_and_back(values, resolution);
-    out_and_back.retain(|&k| !far(k - 1) && !far(k + 1));
-    for k in (0..values.len()).filter(|k| far(*k) || out_and_back.contains(k)) {
+    let mut alone = out_and_back(values, resolution);
+    alone.retain(|&k| !far(k - 1) && !far(k + 1));
+    let rows: Vec<usize> = (0..values.len()).filter(|k| far(*k) || alone.contains(k)).collect();
+    let in_a_row = rows.chunk_by(|a, b| a + 1 == *b).map(|rows| rows[0]..rows[rows.len() - 1] + 1);
+    let mut stretches: Vec<Range<usize>> = Vec::new();
+    for rows in in_a_row.filter(|rows| rows.len() <= MOST_IN_A_ROW) {
         match stretches.last_mut() {
-            Some(last) if last.end == k => last.end += 1,
-            _ => stretches.push(k..k + 1),
+            Some(last) if rows.end - last.start <= MOST_IN_A_ROW => last.end = rows.end,
+            _ => stretches.push(rows),
         }
     }
-    stretches.retain(|rows| rows.len() <= MOST_IN_A_ROW);
     stretches
 }
 
@@ -178,9 +179,14 @@ mod tests {
         let found = wild_rows(&signal(&[(0, 5.0), (700, 5.0), (900, -9.0), (901, -9.0), (1999, 9.0)]));
         assert_eq!(found, [0..1, 700..701, 900..902, 1999..2000]);
         // at the ends of five in a row, every way, the rows beside them are not wild
-        for heights in [[5.0, -5.0, 4.0, -4.0, 5.0], [-3.0, 2.0, 4.0, 5.0, -3.0]] {
-            let five: Vec<(usize, f64)> = (900..).zip(heights).collect();
-            assert_eq!(wild_rows(&signal(&five)), [900..905], "{heights:?}");
+        for heights in
+            [[5.0, -5.0, 4.0, -4.0, 5.0], [-3.3, 3.1, 4.3, 4.6, -3.4], [-3.7, -3.7, -3.4, -3.1, 5.0]]
+        {
+            let mut five = signal(&[]);
+            // where the motion is quick, the middle ones are hidden by the others
+            five.iter_mut().enumerate().for_each(|(k, x)| *x += 0.3 * (0.5 * k as f64).sin());
+            five[900..905].copy_from_slice(&heights);
+            assert_eq!(wild_rows(&five), [900..905], "{heights:?}");
         }
     }
 
