@@ -6,8 +6,8 @@ use super::materiality::beyond_the_past;
 use super::rotation::Rotation;
 
 impl Predicted {
-    /// Of the parts held out, by their share of the motion. A free run that tells more than the prediction does copies a
-    /// controller, and does not count.
+    /// Of the parts held out, by their share of the motion. The free run does not count: in a loop it copies the controller, and not
+    /// every loop is seen.
     pub fn new(rotation: &Rotation) -> Self {
         if ahead(rotation) >= SEEN {
             Self::Far
