@@ -16,6 +16,7 @@ mod feedback;
 pub(crate) mod fixture;
 mod input;
 mod motion;
+mod news;
 mod timing;
 
 use super::answer::{Answer, Location, Verdict};
