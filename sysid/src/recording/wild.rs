@@ -186,7 +186,7 @@ mod tests {
             // where the motion is quick, the middle ones are hidden by the others
             five.iter_mut().enumerate().for_each(|(k, x)| *x += 0.3 * (0.5 * k as f64).sin());
             five[900..905].copy_from_slice(&heights);
-            assert_eq!(wild_rows(&five), [900..905], "{heights:?}");
+            assert!(matches!(wild_rows(&five)[..], [Range { start: 900, end: 905 }]), "{heights:?}");
         }
     }
 
