@@ -235,11 +235,14 @@ impl Selection {
             if let Some(counterpart) = self.with_instead(&other.fit, rival, effect, model) {
                 let neither =
                     self.fit_of(counterpart.ids().into_iter().filter(|id| *id != effect.about().id));
-                let same = !effect.generalises(rival)
-                    && !rival.generalises(effect)
-                    && !all_but_the_same(effect, rival)
-                    && neither.is_some_and(|neither| explains_the_same([counterpart, &other.fit], neither));
-                if same_class || same {
+                let same = || {
+                    !effect.generalises(rival)
+                        && !rival.generalises(effect)
+                        && !all_but_the_same(effect, rival)
+                        && neither
+                            .is_some_and(|neither| explains_the_same([counterpart, &other.fit], neither))
+                };
+                if same_class || same() {
                     p = p.max(indistinct(problem, counterpart, &other.fit));
                 }
                 // Without an angle nothing but the noise model tells a lag of the sensor from one of the actuator.

@@ -205,7 +205,7 @@ impl Search<'_, '_> {
         let fits: Vec<Fit> =
             prospects.par_iter().filter_map(|p| refit(self.problem, &p.effects, &p.values)).collect();
         let after: Vec<usize> = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
-        self.best(&after).filter(|&best| self.improvement(best, place) > 0.0).unwrap_or(place)
+        self.better_than(place, &after)
     }
 
     /// The model at `place`, or that with a candidate of which nothing is left to fit, as the limit of a sensor that the log shows,
@@ -222,7 +222,7 @@ impl Search<'_, '_> {
         let fits: Vec<Fit> = all.iter().filter_map(|(e, own)| fit_afresh(self.problem, &[*e], own)).collect();
         let visited: Vec<usize> = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
         let after: Vec<usize> = visited.into_iter().map(|i| self.with_third_pole(i)).collect();
-        self.best(&after).filter(|&best| self.improvement(best, place) > 0.0).unwrap_or(place)
+        self.better_than(place, &after)
     }
 
     /// The model at `before` with each named candidate that it lacks (a term beside its own special case says nothing twice); and
@@ -306,6 +306,11 @@ impl Search<'_, '_> {
         let likeliest =
             |a: &usize, b: &usize| self.log_posterior(*a, 1.0).total_cmp(&self.log_posterior(*b, 1.0));
         places.iter().copied().max_by(likeliest)
+    }
+
+    /// The best of `after` where it is more probable than the model at `place`, which stays else.
+    fn better_than(&self, place: usize, after: &[usize]) -> usize {
+        self.best(after).filter(|&best| self.improvement(best, place) > 0.0).unwrap_or(place)
     }
 
     /// The most probable of all models that `count`, with the divisor of the terms of the one at hand.

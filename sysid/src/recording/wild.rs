@@ -116,7 +116,7 @@ fn wild_rows(values: &[f64]) -> Vec<Range<usize>> {
     // beside a wild row every row bends
     let mut alone = out_and_back(values, resolution);
     alone.retain(|&k| !far(k - 1) && !far(k + 1));
-    let rows: Vec<usize> = (0..values.len()).filter(|k| far(*k) || alone.contains(k)).collect();
+    let rows: Vec<usize> = (0..values.len()).filter(|k| far(*k) || alone.binary_search(k).is_ok()).collect();
     let in_a_row = rows.chunk_by(|a, b| a + 1 == *b).map(|rows| rows[0]..rows[rows.len() - 1] + 1);
     let mut stretches: Vec<Range<usize>> = Vec::new();
     for rows in in_a_row.filter(|rows| rows.len() <= MOST_IN_A_ROW) {
