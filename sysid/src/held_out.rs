@@ -1,9 +1,12 @@
 //! Which sections are kept aside to judge by.
 
 use crate::dataset::{Dataset, Place};
+use crate::validate::vaf::variance;
 
 /// Share of a recording without sections that is kept aside, at its end.
 const LAST_SHARE: f64 = 0.3;
+/// Share of the motion (squares about the mean) that has to be left to fit on.
+const LEFT_TO_FIT: f64 = 1.0 / 3.0;
 
 /// Sections, split into those that are fitted on and those that are held out.
 #[derive(Clone, Debug)]
@@ -15,8 +18,8 @@ pub struct Split {
 }
 
 impl Split {
-    /// Section IV (the closed loop) is held out; without one, the last section; with one section alone, its last
-    /// third (less a little).
+    /// Section IV (the closed loop) is held out; without one, the last section; with one section alone, or where the others hold
+    /// less than a third of the motion, the last 30 % of all.
     pub fn new(data: &Dataset) -> Self {
         let places = data.places();
         let file_label =
@@ -32,18 +35,19 @@ impl Split {
             }
             Box::new(move |p| p.label == last)
         };
-        let (held_out, training): (Vec<Place>, Vec<Place>) = places.into_iter().partition(|p| is_last(p));
-        if training.is_empty() { Self::by_time(&held_out) } else { Self { training, held_out } }
+        let (held_out, training): (Vec<Place>, Vec<Place>) = places.iter().cloned().partition(|p| is_last(p));
+        if enough(data, &training) { Self { training, held_out } } else { Self::by_time(&places) }
     }
 
-    /// For validation of identified models: as [`Self::new`], and where two or more sections are left, the last of
-    /// them (an unused PRBS) is held out too.
+    /// For validation of identified models: as [`Self::new`], and the last of the sections that are left (an unused PRBS) is held out
+    /// too, where the others hold a third of the motion.
     pub fn for_validation(data: &Dataset) -> Self {
         let mut split = Self::new(data);
-        if split.training.len() >= 2
-            && let Some(unused) = split.training.pop()
+        if let [others @ .., unused] = &split.training[..]
+            && enough(data, others)
         {
-            split.held_out.insert(0, unused);
+            split.held_out.insert(0, unused.clone());
+            split.training.pop();
         }
         split
     }
@@ -72,7 +76,51 @@ impl Split {
     }
 }
 
+/// Whether a third of the motion is in `training`: a fit to what hardly moves is a fit to the disturbance.
+fn enough(data: &Dataset, training: &[Place]) -> bool {
+    let of = |place: &Place| {
+        let run = &data.runs[place.run];
+        let signal = run.rate.as_ref().or(run.angle.as_ref());
+        signal.map_or(0.0, |y| place.rows.len() as f64 * variance(&y[place.rows.clone()]))
+    };
+    let motion = |places: &[Place]| places.iter().map(of).sum::<f64>();
+    !training.is_empty() && motion(training) >= LEFT_TO_FIT * motion(&data.places())
+}
+
 /// Labels of places.
 pub fn labels(places: &[Place]) -> Vec<String> {
     places.iter().map(|p| p.label.clone()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{ReadOptions, parse};
+
+    /// What is fitted on and what is held out of four seconds of each section, which moves by `size` rad/s.
+    fn split(sections: &[(&str, f64)]) -> [Vec<String>; 2] {
+        let mut text = String::from("t_s,u_rad,q_rad_s,section\n");
+        let rows = sections.iter().flat_map(|section| (0..200).map(move |_| section));
+        for (k, (label, size)) in rows.enumerate() {
+            let t = 0.02 * k as f64;
+            let (sin, cos) = (7.0 * t).sin_cos();
+            text += &format!("{t:.2},{:.6},{:.6},{label}\n", 0.1 * size * cos, size * sin);
+        }
+        let recording = parse("sections.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
+        let split = Split::for_validation(&Dataset::new(&[recording]).unwrap());
+        [labels(&split.training), labels(&split.held_out)]
+    }
+
+    #[test]
+    fn what_is_left_to_fit_on_moves() {
+        let two = ["I", "II"].map(|label| (label, 1.0));
+        assert_eq!(
+            split(&[&two[..], &[("III", 1.0), ("IV", 1.0)]].concat()),
+            [vec!["I", "II"], vec!["III", "IV"]]
+        );
+        assert_eq!(split(&[("rest", 0.1), ("I", 1.0), ("IV", 1.0)]), [vec!["rest", "I"], vec!["IV"]]);
+        assert_eq!(split(&two), [vec!["I"], vec!["II"]]);
+        let most_in_the_last = split(&[("I", 0.1), ("II", 1.0)]);
+        assert_eq!(most_in_the_last, [vec!["I (first part)", "II (first part)"], vec!["II (last part)"]]);
+    }
 }
