@@ -4,8 +4,9 @@
 //! score(n, i) = mean over folds f of VAF(model from all folds but f, free run over f)
 //! ```
 //!
-//! A fold is a section; of more than five sections every fifth, of a single one its halves. Only cells that are stable in
-//! every fold and when learnt from all sections can be chosen, so nothing that a model is later judged by takes part.
+//! A fold is a section; of more than five sections every fifth; a section that holds more than two thirds of the motion is cut in
+//! halves. Only cells that are stable in every fold and when learnt from all sections can be chosen, so nothing that a model is
+//! later judged by takes part.
 //!
 //! Source: Riccardi, Panizza, Lovera, ERF 2014, section 4; Verhaegen, Dewilde, Int. J. Control 56, 1992.
 
@@ -14,12 +15,16 @@ use super::fir::Piece;
 use super::pi_moesp::{Candidate, Grid, Method, search};
 use crate::error::{Error, ErrorKind};
 use crate::model::state_space::StateSpace;
-use core::ops::RangeInclusive;
+use crate::validate::vaf::variance;
+use core::ops::{Range, RangeInclusive};
+use core::slice;
 use rayon::prelude::*;
 use serde::Serialize;
 
 /// Folds at most.
 const MOST_FOLDS: usize = 5;
+/// Share of the motion beyond which a section is cut in halves: without it too little would be left to learn from.
+const MOST_OF_THE_MOTION: f64 = 2.0 / 3.0;
 /// Models within this many points of VAF of the best count as equally good.
 const AS_GOOD: f64 = 0.5;
 
@@ -87,16 +92,24 @@ pub fn cross_validated(
     choose(&whole.candidates, &scores, folds.len())
 }
 
+/// Σ (y − ȳ)² of each of `pieces` about its mean, summed.
+fn motion(pieces: &[Piece]) -> f64 {
+    pieces.iter().map(|piece| piece.rows.len() as f64 * variance(&piece.y[piece.rows.clone()])).sum()
+}
+
 /// What is learnt from and judged by, fold by fold.
 fn folds<'a>(pieces: &[Piece<'a>]) -> Vec<(Vec<Piece<'a>>, Vec<Piece<'a>>)> {
-    let parts: Vec<Piece<'a>> = match pieces {
-        [only] => {
-            let middle = (only.rows.start + only.rows.end) / 2;
-            let part = |rows| Piece { rows, ..only.clone() };
-            vec![part(only.rows.start..middle), part(middle..only.rows.end)]
+    let most = MOST_OF_THE_MOTION * motion(pieces);
+    let cut = |piece: &Piece<'a>| {
+        let Range { start, end } = piece.rows;
+        let part = |rows| Piece { rows, ..piece.clone() };
+        if pieces.len() > 1 && motion(slice::from_ref(piece)) <= most {
+            return vec![piece.clone()];
         }
-        several => several.to_vec(),
+        let middle = (start + end) / 2;
+        vec![part(start..middle), part(middle..end)]
     };
+    let parts: Vec<Piece<'a>> = pieces.iter().flat_map(cut).collect();
     let count = parts.len().min(MOST_FOLDS);
     let of = |fold: usize, inside: bool| {
         parts

@@ -161,6 +161,7 @@ pub fn identify_with(
     let baseline = Baseline::new(model, &data)?;
     let split = Split::for_validation(&data);
     let mut found = identify_on(&data, &split, &baseline, settings, progress)?;
+    let determined = found.notes.is_empty();
     found.notes.extend(data.notes(recordings));
     if model.is_none() {
         found.notes.push(ASSUMED.into());
@@ -168,6 +169,9 @@ pub fn identify_with(
         for parameter in found.parameters.iter_mut().chain(&mut found.parameters_coloured).chain(matched) {
             parameter.unit = per_inertia(&parameter.unit);
         }
+    }
+    if determined {
+        found.notes.extend(grey_box::at_odds(&found.parameters, &found.parameters_coloured));
     }
     Ok(found)
 }
