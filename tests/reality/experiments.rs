@@ -174,6 +174,35 @@ fn a_ring_down_from_a_release_informs() {
     assert!(is_right(estimate(&answer, "gravity_stiffness", "G"), 1.0, 0.1));
 }
 
+/// Of a pendulum let go only the angle is logged, nothing is commanded, and there is no model.
+#[test]
+fn a_swing_that_dies_out_tells_gravity_and_damping_without_an_input_or_a_model() {
+    let start = Airframe { theta: 0.6, theta_p: 0.6, ..Airframe::default() };
+    let plant = Plant { dm_dq: -0.08, ..Plant::nominal().rigid() };
+    let effects = vec![effect("gravity_stiffness", &[("G", 15.0)])];
+    let swing =
+        Bench { plant, effects, input: Input::Rest, start, duration_s: 10.0, sample_s: 0.01, ..sprung(6) };
+    let angle = dirt::without(dirt::without(logged(&swing), "q_rad_s"), "u_rad");
+    // the encoder's zero is where the pendulum hangs, or where it was switched on
+    for theta in ["theta_rad=theta_rad", "theta_rad=theta_rad+0.7"] {
+        let columns = ["u_norm=0", theta].map(|map| map.parse().unwrap()).into();
+        let answer =
+            ask(&[read_with(&angle, &ReadOptions { columns, ..ReadOptions::default() })], None).answer;
+        assert_eq!(answer.verdict, Verdict::Named);
+        assert!(
+            ids(&answer).iter().all(|id| ["gravity_stiffness", "rest_angle"].contains(id)),
+            "{:?}",
+            ids(&answer)
+        );
+        let inertia = swing.plant.inertia_kg_m2;
+        assert!(is_right(estimate(&answer, "gravity_stiffness", "G"), 15.0 / inertia, 0.02));
+        let told = &answer.fit.extended.parameters;
+        let damping = told.iter().find(|e| e.name == "dM_dq").unwrap();
+        assert!(is_right(damping, -0.08 / inertia, 0.2), "{damping:?}");
+        assert!(!told.iter().any(|e| ["dM_du", "delay"].contains(&e.name.as_str())), "nothing was commanded");
+    }
+}
+
 /// A rig whose angle keeps to one side, in 20 s at 10 Hz of which only the angle is logged: gravity is not seen without the moment
 /// that it hangs against, nor that without gravity.
 #[test]

@@ -34,7 +34,7 @@ mod moment_step;
 mod over_angle;
 mod periodic_moment;
 mod quadratic_drag;
-mod rest_angle;
+pub mod rest_angle;
 pub mod roll_off;
 mod rotor_reaction;
 pub mod scaled_shape;

@@ -7,33 +7,36 @@
 //! ```
 //!
 //! With gravity alone the model would hang at zero, with a constant moment alone it would turn over: each by itself is worth
-//! nothing, and a search that adds one term at a time finds neither. Both are tried in one step. Beside a slow background, which can
-//! hold the craft as well, nine in ten are held by a constant moment.
+//! nothing, and a search that adds one term at a time finds neither. Both are tried in one step, and so is gravity about θ̄ as its
+//! zero, which over large swings is not the same. Beside a slow background, which can hold the craft as well, eight in ten are held
+//! by a constant moment, and one in ten by the zero of its springs or of the sensor.
 
 use super::selection::without;
 use crate::catalogue::gravity_stiffness::GravityStiffness;
+use crate::catalogue::rest_angle::RestAngle;
 use crate::catalogue::trim_offset::TrimOffset;
 use crate::likelihood::fit::{Fit, SKETCH, fit, refit};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use rayon::prelude::*;
 
-/// Both of them.
-pub const PAIR: [&dyn Effect; 2] = [&GravityStiffness, &TrimOffset];
+/// What hangs, and what may hold it.
+pub const PAIRS: [[&dyn Effect; 2]; 2] = [[&GravityStiffness, &TrimOffset], [&GravityStiffness, &RestAngle]];
 /// What pulls back to the angle's zero.
 const SPRINGS: [&str; 3] = ["gravity_stiffness", "linear_stiffness", "cubic_stiffness"];
-/// Prior probability that a constant moment holds what hangs aside, and neither the command nor the background.
-const HELD: f64 = 0.9;
+/// Prior probability that a constant moment holds what hangs aside, or another zero, and neither the command nor the background.
+const HELD: f64 = 0.8;
+const ZEROED: f64 = 0.1;
 /// Stiffnesses to begin with, as shares of what turns the input's moment into the angle's spread.
 const SHARES: [f64; 2] = [0.3, 1.0];
 /// Strengths of the disturbance to begin with: a weak one cannot take the pendulum's swing for its own.
 const STRENGTHS: [f64; 2] = [0.03, 0.3];
 
-/// Whether a term of `effects` pulls back to zero where the angle keeps to one side of it, and the user's model has no moment against
-/// that.
+/// Whether a term of `effects` pulls back to zero where the angle keeps to one side of it, and the user's model has nothing that holds
+/// it there.
 pub fn pulls_aside(problem: &Problem<'_>, effects: &[&'static dyn Effect]) -> bool {
-    let known = problem.baseline.terms.iter().any(|term| is_trim(term.effect));
-    !known && effects.iter().any(|e| SPRINGS.contains(&e.about().id)) && problem.hangs_aside
+    let known: Vec<&dyn Effect> = problem.baseline.terms.iter().map(|term| term.effect).collect();
+    holder(&known).is_none() && effects.iter().any(|e| SPRINGS.contains(&e.about().id)) && problem.hangs_aside
 }
 
 /// Whether the effect is the constant moment.
@@ -41,22 +44,31 @@ pub fn is_trim(effect: &dyn Effect) -> bool {
     effect.about().id == TrimOffset.about().id
 }
 
-/// ln of the prior of the constant moment, or of its absence, in a model that pulls aside.
-pub fn log_prior_of_trim(effects: &[&'static dyn Effect]) -> f64 {
-    if effects.iter().any(|effect| is_trim(*effect)) { HELD.ln() } else { (1.0 - HELD).ln() }
+/// The term of `effects` that holds them aside, the constant moment before another zero.
+pub fn holder(effects: &[&'static dyn Effect]) -> Option<&'static dyn Effect> {
+    PAIRS.into_iter().find_map(|[_, held]| effects.iter().copied().find(|e| e.about().id == held.about().id))
 }
 
-/// `before` with both terms, and with gravity alone from there: beside a slow background the constant moment may not be seen.
+/// ln of the prior of what holds a model that pulls aside, or of its absence.
+pub fn log_prior_of_holder(effects: &[&'static dyn Effect]) -> f64 {
+    match holder(effects) {
+        Some(held) if is_trim(held) => HELD.ln(),
+        Some(_) => ZEROED.ln(),
+        None => (1.0 - HELD - ZEROED).ln(),
+    }
+}
+
+/// `before` with both terms of `pair`, and with gravity alone from there: beside a slow background what holds it may not be seen.
 /// Nothing where the angle does not keep to one side.
-pub fn about_another_zero(problem: &Problem<'_>, before: &Fit) -> Vec<Fit> {
-    let both = if problem.hangs_aside { hanging(problem, before) } else { None };
+pub fn about_another_zero(problem: &Problem<'_>, before: &Fit, pair: [&'static dyn Effect; 2]) -> Vec<Fit> {
+    let both = if problem.hangs_aside { hanging(problem, before, pair) } else { None };
     let alone = both.as_ref().and_then(|both| without(problem, both, both.effects.len() - 1));
     both.into_iter().chain(alone).collect()
 }
 
-fn hanging(problem: &Problem<'_>, before: &Fit) -> Option<Fit> {
+fn hanging(problem: &Problem<'_>, before: &Fit, pair: [&'static dyn Effect; 2]) -> Option<Fit> {
     let angle = problem.data.mean_angle()?;
-    let effects = [&before.effects[..], &PAIR].concat();
+    let effects = [&before.effects[..], &pair].concat();
     let input = problem.data.mean_input();
     let noise = problem.noise_range();
     let sketch = |(share, strength): (f64, f64)| {
@@ -64,7 +76,8 @@ fn hanging(problem: &Problem<'_>, before: &Fit) -> Option<Fit> {
         let stiffness = share * problem.sizes.moment / problem.sizes.theta;
         let gain = problem.unpack(&before.effects, &values).plant.dm_du;
         values[noise.clone()].copy_from_slice(&problem.noise_start(strength));
-        values.extend([stiffness, stiffness * angle.sin() - gain * input]);
+        let holds = stiffness * angle.sin() - gain * input;
+        values.extend([stiffness, if is_trim(pair[1]) { holds } else { holds / stiffness }]);
         fit(problem, &effects, &values, SKETCH)
     };
     let starts: Vec<(f64, f64)> =
@@ -86,7 +99,7 @@ mod tests {
         let fits = asked(&aside, |problem, plain| {
             let value =
                 |fit: &Fit| fit.minimum.values[fit.range_of(problem, "gravity_stiffness").unwrap()][0];
-            let fits = about_another_zero(problem, plain);
+            let fits = about_another_zero(problem, plain, PAIRS[0]);
             let gain = |fit: &Fit| plain.criterion() - fit.criterion();
             fits.iter().map(|fit| (fit.ids(), value(fit), gain(fit))).collect::<Vec<_>>()
         });
@@ -95,6 +108,6 @@ mod tests {
         assert!((value / stiffness - 1.0).abs() < 0.1 && *gain > 30.0, "{fits:?}");
         assert_eq!(fits[1].0, ["gravity_stiffness"]);
         let level = flight_with(3, |_, _, angle| -stiffness * angle.sin());
-        assert_eq!(asked(&level, |problem, plain| about_another_zero(problem, plain).len()), 0);
+        assert_eq!(asked(&level, |problem, plain| about_another_zero(problem, plain, PAIRS[0]).len()), 0);
     }
 }

@@ -37,6 +37,9 @@ use std::collections::BTreeMap;
 /// Keys of the horizons in the answer, in the order of [`super::levels::HORIZONS_S`].
 const HORIZONS: [&str; 3] = ["0.1", "0.3", "1.0"];
 
+/// What is not estimated where the input never changes.
+const OF_THE_INPUT: [&str; 2] = ["dM_du", "delay"];
+
 /// The answer, with what a report shows beside it.
 pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis {
     notes.extend(judgement.facts());
@@ -78,6 +81,11 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
         per_unit_inertia: false,
         notes,
     };
+    if !problem.data.input_changes() {
+        for model in [&mut answer.fit.baseline, &mut answer.fit.extended] {
+            model.parameters.retain(|estimate| !OF_THE_INPUT.contains(&estimate.name.as_str()));
+        }
+    }
     answer.summary = describe::summary(&answer, judgement.grounds.objection());
     let traces = traces(problem, &baseline.effects, rotation);
     Diagnosis {

@@ -2,6 +2,7 @@
 
 use super::estimates::estimates;
 use super::levels::{HORIZONS_S, SEEN_AT_ALL, SHORTEST_S, WIDEST_GAIN_INTERVAL};
+use super::past_alone::vaf_of_the_past_alone;
 use crate::identify::fir::ceiling_vaf;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::Fit;
@@ -84,9 +85,12 @@ pub fn nothing_follows(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
 }
 
 fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
+    let places = problem.data.places();
     let unpacked = problem.unpack(&baseline.effects, &baseline.minimum.values);
-    let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S);
+    let ahead = horizon_vaf(problem, &unpacked, &places, &HORIZONS_S);
     let ahead = ahead.and_then(|all| all.last().copied()).map_or(0.0, |(vaf, _)| vaf);
+    // a swing is not what the baseline, which has no spring, predicts
+    let ahead = ahead.max(vaf_of_the_past_alone(problem, &places, &places, HORIZONS_S[HORIZONS_S.len() - 1]));
     (ahead < EXPLAINED_BY_ANY).then(|| {
         format!(
             "The data cannot tell: the input never changes, and the motion is no swing or decay either that follows from what it was \

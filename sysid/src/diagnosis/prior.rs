@@ -9,9 +9,9 @@
 //! spring over small angles, is believed a hundredth as readily: what hangs on a pivot has its weight, and few a spring. Beside
 //! a spring that stiffens it is believed as readily: that one is straight before it stiffens.
 //!
-//! The constant moment that holds a craft aside is no further term: nine in ten such craft have one ([`super::another_zero`]).
+//! What holds a craft aside is no further term: nine in ten such craft have it ([`super::another_zero`]).
 
-use super::another_zero::{is_trim, log_prior_of_trim, pulls_aside};
+use super::another_zero::{holder, log_prior_of_holder, pulls_aside};
 use super::posterior::is_shape;
 use super::selection::Candidates;
 use crate::likelihood::problem::Problem;
@@ -51,8 +51,12 @@ pub fn log_prior(problem: &Problem<'_>, effects: &[&'static dyn Effect], candida
         };
         said * (FURTHER_TERM * share).ln() + restated.ln()
     };
-    let terms = effects.iter().filter(|effect| !(pulls && is_trim(**effect))).map(of).sum::<f64>();
-    if pulls { terms + log_prior_of_trim(effects) } else { terms }
+    let all = effects.iter().map(of).sum::<f64>();
+    if !pulls {
+        return all;
+    }
+    let held = holder(effects);
+    all - held.iter().map(of).sum::<f64>() + log_prior_of_holder(effects)
 }
 
 #[cfg(test)]
@@ -128,12 +132,14 @@ mod tests {
             Candidates { named: effects(&["gravity_stiffness", "trim_offset"]), shapes: Vec::new() };
         let mut aside = flown(1, 0.0, [0.0, 1.0]);
         aside.theta.iter_mut().for_each(|theta| *theta += 3.0);
-        let [held, hanging] = asked(&aside, |problem, _| {
-            [&["gravity_stiffness", "trim_offset"][..], &["gravity_stiffness"]]
-                .map(|ids| log_prior(problem, &effects(ids), &candidates))
+        let [held, zeroed, hanging, both] = asked(&aside, |problem, _| {
+            let also = [&["trim_offset"][..], &["rest_angle"], &[], &["rest_angle", "trim_offset"]];
+            also.map(|ids| log_prior(problem, &effects(&[&["gravity_stiffness"], ids].concat()), &candidates))
         });
         let name = (0.5_f64 * 2.0 / 3.0 / 2.0).ln();
-        assert!((held - name - 0.9_f64.ln()).abs() < 1e-12, "{held}");
+        assert!((held - name - 0.8_f64.ln()).abs() < 1e-12, "{held}");
+        assert!((zeroed - name - 0.1_f64.ln()).abs() < 1e-12, "{zeroed}");
+        assert!((both - 2.0 * name - 0.8_f64.ln()).abs() < 1e-12, "the second is a further term: {both}");
         assert!((hanging - name - 0.1_f64.ln()).abs() < 1e-12, "{hanging}");
     }
 }

@@ -8,7 +8,7 @@
 //! E is the calibrated evidence of [`crate::likelihood::evidence`], the prior that of [`super::prior`]. A term is added while that
 //! raises the posterior; then every term is dropped, and exchanged for every other, until no such step does.
 
-use super::another_zero::{PAIR, about_another_zero};
+use super::another_zero::{PAIRS, about_another_zero};
 use super::change_point::best_moment;
 use super::excerpt::{carried, excerpt};
 use super::levels::MOST_TERMS;
@@ -255,8 +255,11 @@ impl Search<'_, '_> {
                 None => Some(other.clone()),
             }
         };
-        let asked = PAIR.iter().all(|e| missing.iter().any(|other| other.about().id == e.about().id));
-        let hanging = if asked { about_another_zero(self.problem, &fit) } else { Vec::new() };
+        let asked = |pair: &[&'static dyn Effect; 2]| {
+            pair.iter().all(|e| missing.iter().any(|other| other.about().id == e.about().id))
+        };
+        let pairs = PAIRS.into_iter().filter(asked);
+        let hanging: Vec<Fit> = pairs.flat_map(|pair| about_another_zero(self.problem, &fit, pair)).collect();
         let fits: Vec<Fit> = fits.par_iter().filter_map(needed).chain(hanging).collect();
         let after = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
         Round { before, after }

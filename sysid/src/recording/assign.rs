@@ -54,6 +54,7 @@ pub(super) fn assign(
         let (role, name, factor) = (source.role.column(), &source.name, source.factor);
         let text = match source.expression.as_column() {
             Some(name) => format!("{role} is the file's column {} times {factor}, as asked", quote(name)),
+            None if source.places.is_empty() => format!("{role} is {name} throughout, as asked"),
             None => format!("{role} is {name} of the file's columns, times {factor}, as asked"),
         };
         notes.push(Note::new(NoteKind::Converted, text));
@@ -138,7 +139,8 @@ fn require(sources: &[Source], header: &[String]) -> Result<(), Error> {
         (
             "no input column",
             "one of u_rad, u_pct, u_V, u_N_m, u_N, u_norm",
-            "--column u_rad=NAME, or another of these with its unit",
+            "--column u_rad=NAME, or another of these with its unit; where nothing was commanded (a release, a ring-down), with \
+             --column u_norm=0",
         )
     } else if !has(|r| matches!(r, Role::Q | Role::Theta)) {
         (

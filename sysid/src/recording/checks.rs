@@ -68,11 +68,16 @@ fn extremes(values: &[f64]) -> (f64, f64) {
 
 fn check_input(input: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
     if is_constant(&input.values) {
-        let text = format!(
-            "the input {} never changes ({}): what it was before the first row is unknown, and only motion that was under way then informs",
-            column(input),
-            input.values[0]
-        );
+        let value = input.values[0];
+        let text = if input.source.expression.names().is_empty() {
+            format!("nothing is commanded ({value} throughout): only motion that was under way informs")
+        } else {
+            format!(
+                "the input {} never changes ({value}): what it was before the first row is unknown, and only motion that was under way then \
+                 informs",
+                column(input)
+            )
+        };
         notes.push(Note::new(NoteKind::DeadInput, text));
     } else if input.source.role == Role::Input(InputUnit::Rad) {
         check_size(Some(input), grid, LARGEST_BLADE_PITCH, "rad", notes);

@@ -57,7 +57,7 @@ impl ColumnMap {
 impl FromStr for ColumnMap {
     type Err = Error;
 
-    /// Parses `q_rad_s=gy`, `q_rad_s=-gy*pi/180`, `u_norm=0.25*(m1+m2-m3-m4)`.
+    /// Parses `q_rad_s=gy`, `q_rad_s=-gy*pi/180`, `u_norm=0.25*(m1+m2-m3-m4)`, and, where nothing was commanded, `u_norm=0`.
     fn from_str(text: &str) -> Result<Self, Error> {
         let refuse = |what: String| {
             Error::new(
@@ -78,6 +78,10 @@ impl FromStr for ColumnMap {
             found: format!("--column {target}={}: {}", rest.trim(), error.found).into(),
             ..error
         })?;
+        let role = Role::of(target).map(|(role, _)| role);
+        if read.names().is_empty() && matches!(role, Some(Role::Input(_))) {
+            return Ok(Self { target: target.into(), source: read, factor: 1.0 });
+        }
         let (factor, source) = read.without_factor();
         if source.names().is_empty() {
             return Err(refuse("no column of the file is named".into()));
@@ -85,7 +89,7 @@ impl FromStr for ColumnMap {
         if !(1e-12..=1e12).contains(&factor.abs()) {
             return Err(refuse(format!("the factor {factor} is zero or out of range")));
         }
-        if matches!(Role::of(target), Some((Role::Section | Role::Supervised, _)))
+        if matches!(role, Some(Role::Section | Role::Supervised))
             && (source.as_column().is_none() || factor != 1.0)
         {
             return Err(refuse(format!("{target} is a label: name one column, without arithmetic")));
@@ -172,6 +176,8 @@ mod tests {
         let map: ColumnMap = "q_rad_s=gy*0.5".parse().unwrap();
         assert_eq!((map.target.as_str(), map.source.as_column(), map.factor), ("q_rad_s", Some("gy"), 0.5));
         assert_eq!("u_V = volts".parse::<ColumnMap>().unwrap().factor, 1.0);
+        let nothing: ColumnMap = "u_norm=0".parse().unwrap();
+        assert_eq!((nothing.factor * nothing.source.value(&[]), nothing.source.names().len()), (0.0, 0));
         let map: ColumnMap = "u_norm=0.25*(m1-`m 2`)".parse().unwrap();
         assert_eq!((map.source.names(), map.factor), (&["m1".to_owned(), "m 2".to_owned()][..], 0.25));
         assert_eq!(map.option_to_scale(-1.0), "--column 'u_norm=(m1-`m 2`)*-0.25'");

@@ -113,6 +113,9 @@ pub fn of_fit(
     dm_du: Option<f64>,
     loops: &Loops,
 ) -> Vec<DataCheck> {
+    if !problem.data.input_changes() {
+        return without_fit("the input never changes").collect();
+    }
     let response = Response::new(recordings, problem, estimates_of(problem, fit), dm_du);
     vec![
         response.sign(!loops.any_open()),
