@@ -182,7 +182,7 @@ impl Selection {
             effect,
             named: !is_shape(effect),
             probability,
-            rivals: self.rivals(problem, model, effect, |v| weight(v) / total),
+            rivals: self.rivals(problem, model, effect, divisor, |v| weight(v) / total),
             log_evidence: gain,
             p_value: chance(ratio / divisor, without.map_or(own.len(), further)),
             share: if whole > 0.0 { (gain / whole).clamp(0.0, 1.0) } else { 0.0 },
@@ -222,6 +222,7 @@ impl Selection {
         problem: &Problem<'_>,
         model: &Visited,
         effect: &'static dyn Effect,
+        divisor: f64,
         probability: impl Fn(&Visited) -> f64,
     ) -> Vec<(&'static dyn Effect, f64, usize)> {
         let mut rivals: Vec<(&'static dyn Effect, f64, usize)> = Vec::new();
@@ -239,8 +240,9 @@ impl Selection {
                     !effect.generalises(rival)
                         && !rival.generalises(effect)
                         && !all_but_the_same(effect, rival)
-                        && neither
-                            .is_some_and(|neither| explains_the_same([counterpart, &other.fit], neither))
+                        && neither.is_some_and(|neither| {
+                            explains_the_same([counterpart, &other.fit], neither, divisor)
+                        })
                 };
                 if same_class || same() {
                     p = p.max(indistinct(problem, counterpart, &other.fit));
@@ -280,15 +282,17 @@ pub fn alike_ahead(problem: &Problem<'_>, [model, rival]: [&Fit; 2], neither: Op
     from(rival, LAG_HORIZONS_S.into_iter().find(tells).unwrap_or(LAG_HORIZONS_S[0]))
 }
 
-/// Whether two models' predictions differ by little of what either adds to one with `neither`: how wide the catalogue lets each of
-/// their terms be is then all that tells them apart, and that is no evidence.
-fn explains_the_same([model, rival]: [&Fit; 2], neither: &Fit) -> bool {
+/// Whether two models' predictions differ by little of what either adds to one with `neither`, and their likelihoods, divided by
+/// `divisor`, by less than makes one of them implausible: how wide the catalogue lets each of their terms be is then all that tells
+/// them apart, and that is no evidence.
+fn explains_the_same([model, rival]: [&Fit; 2], neither: &Fit, divisor: f64) -> bool {
     let (weight, _) = weights(&model.minimum.residuals);
     let apart = |other: &Fit| -> f64 {
         let pairs = model.minimum.residuals.iter().zip(&other.minimum.residuals);
         pairs.map(|(a, b)| Vector2::new(a[0] - b[0], a[1] - b[1])).map(|d| d.dot(&(weight * d))).sum()
     };
-    apart(rival) < SAME_SHARE * apart(neither)
+    let log_ratio = 0.5 * (model.criterion() - rival.criterion()).abs() / divisor;
+    log_ratio < -PLAUSIBLE.ln() && apart(rival) < SAME_SHARE * apart(neither)
 }
 
 /// Whether an effect is a shape without a name.
