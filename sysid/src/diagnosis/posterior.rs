@@ -216,7 +216,7 @@ impl Selection {
         })
     }
 
-    /// Named candidates that stand in the place of `effect` in models as probable as [`PLAUSIBLE`].
+    /// Named candidates that stand in the place of `effect`, alone or with others, in models as probable as [`PLAUSIBLE`].
     fn rivals(
         &self,
         problem: &Problem<'_>,
@@ -229,11 +229,16 @@ impl Selection {
         for (i, other) in
             self.visited.iter().enumerate().filter(|(_, v)| v.fit.position(effect.about().id).is_none())
         {
-            let mut further = other.fit.effects.iter().filter(|e| model.fit.position(e.about().id).is_none());
-            let (Some(&rival), None) = (further.next(), further.next()) else { continue };
-            let same_class = effect.class().is_some_and(|class| rival.class() == Some(class));
+            let mut further = other.fit.effects.clone();
+            further.retain(|e| model.fit.position(e.about().id).is_none());
+            let of_class = |e: &dyn Effect| effect.class().is_some_and(|class| e.class() == Some(class));
+            // of several that stand in its place together, that of its class, or what was found first
+            let mut named = further.iter().copied().filter(|e| !e.is_background() && !is_shape(*e));
+            let Some(rival) = named.clone().find(|e| of_class(*e)).or_else(|| named.next()) else { continue };
+            let same_class = of_class(rival);
             let mut p = probability(other);
-            if let Some(counterpart) = self.with_instead(&other.fit, rival, effect, model) {
+            let counterpart = self.with_instead(&other.fit, rival, effect, model);
+            if let Some(counterpart) = counterpart.filter(|_| further.len() == 1) {
                 let neither =
                     self.fit_of(counterpart.ids().into_iter().filter(|id| *id != effect.about().id));
                 let same = || {
@@ -258,7 +263,7 @@ impl Selection {
                 None => rivals.push((rival, p, i)),
             }
         }
-        rivals.retain(|(rival, p, _)| *p >= PLAUSIBLE && !rival.is_background() && !is_shape(*rival));
+        rivals.retain(|(_, p, _)| *p >= PLAUSIBLE);
         rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
         rivals
     }

@@ -184,6 +184,19 @@ fn a_name_at_zero_is_no_term_and_a_shape_or_what_holds_a_craft_aside_is() {
 }
 
 #[test]
+fn two_terms_that_stand_in_its_place_together_are_a_rival() {
+    let flown = flight_with(1, |_, q, theta| -2.0 * theta.sin() - 0.3 * q * q.abs());
+    asked(&flown, |problem, baseline| {
+        let sets = [effects(&["coulomb_friction"]), effects(&["gravity_stiffness", "quadratic_drag"])];
+        let models = selection(problem, baseline, &[], &sets);
+        let findings = models.findings(problem, 1);
+        let (rival, probability, place) = findings[0].rivals[0];
+        assert_eq!((rival.about().id, place, findings[0].rivals.len()), ("gravity_stiffness", 2, 1));
+        assert!(probability > 0.99, "{probability}");
+    });
+}
+
+#[test]
 fn a_term_is_calibrated_by_its_own_blocks_and_told_by_what_the_whole_gains() {
     asked(&uneven(), |problem, baseline| {
         let both = effects(&["gravity_stiffness", "quadratic_drag"]);
