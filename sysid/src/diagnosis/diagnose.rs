@@ -205,7 +205,9 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     let richest = &selection.visited[selection.extended];
     let unknown =
         || excitation::gain_unknown(&problem, &richest.fit, &richest.information).filter(|_| closed);
-    if let Some(reason) = excitation::nothing_follows(&problem, &richest.fit).or_else(unknown) {
+    let itself = || excitation::is_the_input(&problem, &richest.fit);
+    if let Some(reason) = excitation::nothing_follows(&problem, &richest.fit).or_else(unknown).or_else(itself)
+    {
         checks.extend(data_checks::without_fit("too weak to ask"));
         return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
     }

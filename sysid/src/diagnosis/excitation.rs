@@ -9,6 +9,9 @@ use crate::likelihood::fit::Fit;
 use crate::likelihood::free_run::judged;
 use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
+use crate::optim::least_squares::least_squares;
+use crate::validate::vaf::vaf;
+use nalgebra::DVector;
 
 /// Share of the output, per cent, that an FIR model must explain for the input to count as seen.
 const EXPLAINED_BY_ANY: f64 = 40.0;
@@ -84,6 +87,45 @@ pub fn nothing_follows(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
     })
 }
 
+/// Why the data are too weak for any model: the motion is the input itself, in the same row or the one before, and no model predicts it
+/// as well at any horizon. The input is then what an inner loop is told, which is quicker than the rows, or it is made of the motion.
+pub fn is_the_input(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
+    let (alike, vaf) = most_alike(problem)?;
+    let unpacked = problem.unpack(&richest.effects, &richest.minimum.values);
+    let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S)?;
+    let most = ahead.iter().fold(0.0, |most: f64, (vaf, _)| most.max(*vaf));
+    (most < vaf).then(|| {
+        format!(
+            "The data cannot tell: the motion is the input itself ({alike} tells {vaf:.1} % of it), and no model does as well (VAF \
+             {most:.1} % at most of predictions {} to {} s ahead). The input is what a loop inside is told, which follows it within a row, \
+             or it is made of the motion. Give what moves the vehicle as the input (a motor's command, current, torque), or log faster.",
+            HORIZONS_S[0], HORIZONS_S[HORIZONS_S.len() - 1]
+        )
+    })
+}
+
+/// The line through the input, or its slope, that tells most of the motion, with its VAF, per cent.
+fn most_alike(problem: &Problem<'_>) -> Option<(&'static str, f64)> {
+    let slope = |u: &[f64]| -> Vec<f64> {
+        (0..u.len()).map(|k| u[(k + 1).min(u.len() - 1)] - u[k.saturating_sub(1)]).collect()
+    };
+    let lines = [("a + b u", 0, false), ("a + b u of the row before", 1, false), ("a + b du/dt", 0, true)];
+    let told = |(name, lag, of_slope): (&'static str, usize, bool)| {
+        let places = problem.data.places();
+        let pairs = places.iter().flat_map(|place| {
+            let u = &problem.data.runs[place.run].u[place.rows.clone()];
+            let x = if of_slope { slope(u) } else { u.to_vec() };
+            let y = judged(problem, place).iter().skip(lag).copied();
+            x.into_iter().zip(y).map(|(x, y)| (DVector::from_vec(vec![1.0, x]), y)).collect::<Vec<_>>()
+        });
+        let pairs: Vec<(DVector<f64>, f64)> = pairs.collect();
+        let weights = least_squares(2, pairs.iter().cloned())?;
+        let (y, told): (Vec<f64>, Vec<f64>) = pairs.iter().map(|(x, y)| (*y, weights.dot(x))).unzip();
+        Some((name, vaf(&y, &told)))
+    };
+    lines.into_iter().filter_map(told).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
 fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
     let places = problem.data.places();
     let unpacked = problem.unpack(&baseline.effects, &baseline.minimum.values);
@@ -101,10 +143,10 @@ fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::data_checks::fixture::{flight, normal};
+    use super::super::data_checks::fixture::{STEP, flight, normal};
     use super::super::fixture::{asked, flown_by};
     use super::*;
-    use rand::SeedableRng;
+    use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
     #[test]
@@ -121,5 +163,25 @@ mod tests {
     fn a_weak_input_in_air_is_no_such_case() {
         let u = flight(1, 0.0).u.iter().map(|u| 0.3 * u).collect();
         assert_eq!(asked(&flown_by(1, u, |_, _, _| 0.0), nothing_follows), None);
+    }
+    #[test]
+    fn a_motion_that_is_its_demand_tells_nothing_of_the_vehicle() {
+        let mut servo = flight(1, 0.0);
+        let mut random = Pcg64::seed_from_u64(5);
+        // a planner's ramps between targets that come at any time
+        let (mut demand, mut target) = (0.0_f64, 0.0);
+        for k in 0..servo.u.len() {
+            if random.random::<f64>() < 0.03 {
+                target = random.random_range(-1.0..1.0);
+            }
+            let step = (target - demand).clamp(-0.04, 0.04);
+            demand += step;
+            servo.u[k] = demand;
+            servo.theta[k] = demand + 1e-3 * normal(&mut random);
+            servo.q[k] = step / STEP + 0.02 * normal(&mut random);
+        }
+        let said = asked(&servo, is_the_input).unwrap();
+        assert!(said.contains("a + b du/dt tells "), "{said}");
+        assert_eq!(asked(&flight(1, 0.0), is_the_input), None);
     }
 }
