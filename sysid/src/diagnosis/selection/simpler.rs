@@ -28,7 +28,8 @@ impl Search<'_, '_> {
     fn simpler(&self, place: usize, closed: &impl Fn(&Fit) -> f64) -> Option<usize> {
         let fit = &self.visited[place].fit;
         let simpler_than = |general: &'static dyn Effect| {
-            (0..self.visited.len()).filter(move |&i| is_simpler(&self.visited[i].fit, fit, general))
+            (0..self.visited.len())
+                .filter(move |&i| is_simpler(&self.visited[i].fit.effects, &fit.effects, general))
         };
         let all = LazyCell::new(|| closed(fit));
         fit.effects.iter().find_map(|&general| {
@@ -37,16 +38,17 @@ impl Search<'_, '_> {
     }
 }
 
-/// Whether `other` has special cases of `general`, and else nothing but what `fit` has beside it.
-fn is_simpler(other: &Fit, fit: &Fit, general: &dyn Effect) -> bool {
-    let id = general.about().id;
-    let has = |fit: &Fit, effect: &dyn Effect| fit.position(effect.about().id).is_some();
-    let mut kept = fit.effects.iter().filter(|effect| effect.about().id != id);
-    let mut new = other.effects.iter().filter(|effect| !has(fit, **effect));
+/// Whether `other` has special cases of `general`, and else nothing but what `all` have beside it.
+fn is_simpler(other: &[&'static dyn Effect], all: &[&'static dyn Effect], general: &dyn Effect) -> bool {
+    let has = |of: &[&'static dyn Effect], effect: &dyn Effect| {
+        of.iter().any(|known| known.about().id == effect.about().id)
+    };
+    let mut kept = all.iter().filter(|effect| effect.about().id != general.about().id);
+    let mut new = other.iter().filter(|effect| !has(all, **effect));
     !has(other, general)
         && kept.all(|effect| has(other, *effect))
         && new.all(|effect| general.generalises(*effect))
-        && other.effects.iter().any(|effect| general.generalises(*effect))
+        && other.iter().any(|effect| general.generalises(*effect))
 }
 
 #[cfg(test)]
@@ -100,6 +102,23 @@ mod tests {
             let left = search.simplest(found, baseline);
             search.visited[left].names()
         })
+    }
+
+    #[test]
+    fn simpler_is_a_special_case_beside_the_same_rest() {
+        let general = effects(&["hysteresis"])[0];
+        let all = ["hysteresis", "servo_lag"];
+        let simpler = |other: &[&str]| is_simpler(&effects(other), &effects(&all), general);
+        assert!(simpler(&["coulomb_friction", "servo_lag"]));
+        assert!(!simpler(&["coulomb_friction", "hysteresis", "servo_lag"]), "the general term stays");
+        assert!(!simpler(&["coulomb_friction"]), "the rest is gone");
+        assert!(!simpler(&["coulomb_friction", "servo_lag", "quadratic_drag"]), "something is new");
+        assert!(!simpler(&["servo_lag"]), "no special case");
+        assert!(is_simpler(
+            &effects(&["coulomb_friction"]),
+            &effects(&["hysteresis", "coulomb_friction"]),
+            general
+        ));
     }
 
     #[test]
