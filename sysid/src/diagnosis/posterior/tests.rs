@@ -184,6 +184,18 @@ fn a_name_at_zero_is_no_term_and_a_shape_or_what_holds_a_craft_aside_is() {
 }
 
 #[test]
+fn two_explain_the_same_by_predictions_and_likelihoods_both() {
+    asked(&flight_with(1, |_, _, theta| -2.0 * theta.sin()), |problem, baseline| {
+        let [gravity, spring, friction] = ["gravity_stiffness", "linear_stiffness", "coulomb_friction"]
+            .map(|id| extended(problem, baseline, &effects(&[id])));
+        let same = |rival: &Fit, divisor| explains_the_same([&gravity, rival], baseline, divisor);
+        assert!(same(&spring, 1.0));
+        assert!(!same(&spring, 1e-9), "the likelihoods decide");
+        assert!(!same(&friction, 1e9), "the predictions do");
+    });
+}
+
+#[test]
 fn two_terms_that_stand_in_its_place_together_are_a_rival() {
     let flown = flight_with(1, |_, q, theta| -2.0 * theta.sin() - 0.3 * q * q.abs());
     asked(&flown, |problem, baseline| {
