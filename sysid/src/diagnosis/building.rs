@@ -138,7 +138,8 @@ pub fn model_answer(
 }
 
 fn by_horizon(scores: &Scores) -> BTreeMap<&'static str, WithError> {
-    HORIZONS.into_iter().zip(scores.horizons.iter().map(|&h| h.into())).collect()
+    let judged = HORIZONS.into_iter().zip(&scores.horizons);
+    judged.filter_map(|(key, vaf)| Some((key, (*vaf)?.into()))).collect()
 }
 
 fn held_out(part: &super::rotation::HeldOut) -> HeldOutAnswer {

@@ -1,6 +1,7 @@
 //! Every sentence of the answer that a person reads.
 
 use super::answer::{Answer, EffectAnswer, HeldOutAnswer, Predicted, VafAnswer, Verdict};
+use super::rotation::mean_by_motion;
 use super::verdict::Objection;
 use crate::catalogue::find;
 use crate::estimate::{Estimate, digits};
@@ -116,16 +117,16 @@ pub fn predicts(answer: &Answer) -> bool {
     answer.fit.predicted.is_some_and(|predicted| predicted != Predicted::Little)
 }
 
-/// Mean of `figure` over the parts held out, by their share of the motion.
-fn mean(answer: &Answer, figure: impl Fn(&HeldOutAnswer) -> f64) -> f64 {
-    answer.fit.held_out.values().map(|part| part.share_of_motion * figure(part)).sum()
+/// Mean of `figure` over the parts held out that have one, by their share of the motion.
+fn mean(answer: &Answer, figure: impl Fn(&HeldOutAnswer) -> Option<f64>) -> f64 {
+    mean_by_motion(answer.fit.held_out.values().map(|part| (part.share_of_motion, figure(part))))
 }
 
 /// Mean VAF over the parts held out, `horizon` s ahead or of the free run, per cent.
 fn mean_vaf(answer: &Answer, of: &dyn Fn(&HeldOutAnswer) -> &VafAnswer, horizon: Option<&str>) -> f64 {
     mean(answer, |part| match horizon {
-        Some(key) => of(part).horizons.get(key).map_or(0.0, |vaf| vaf.value),
-        None => of(part).free_run,
+        Some(key) => of(part).horizons.get(key).map(|vaf| vaf.value),
+        None => Some(of(part).free_run),
     })
 }
 
@@ -145,7 +146,7 @@ fn figures(answer: &Answer, after: bool) -> String {
         } else {
             format!("{short:.1} %")
         };
-        let past = mean(answer, |part| part.past_alone);
+        let past = mean(answer, |part| Some(part.past_alone));
         format!("VAF on {sections}: 0.1 s ahead {figures}, of the past of the motion alone {past:.1} %")
     } else if after {
         format!(

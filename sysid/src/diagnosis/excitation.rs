@@ -77,7 +77,7 @@ pub fn gain_unknown(problem: &Problem<'_>, fit: &Fit, information: &Information)
 pub fn nothing_follows(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
     let unpacked = problem.unpack(&richest.effects, &richest.minimum.values);
     let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S)?;
-    let most = ahead.iter().fold(0.0, |most: f64, (vaf, _)| most.max(*vaf));
+    let most = ahead.iter().flatten().fold(0.0, |most: f64, (vaf, _)| most.max(*vaf));
     (most < SEEN_AT_ALL).then(|| {
         format!(
             "The data cannot tell: the motion does not follow from the input (VAF {most:.1} % at most of predictions {} to {} s ahead, \
@@ -93,7 +93,7 @@ pub fn is_the_input(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
     let (alike, vaf) = most_alike(problem)?;
     let unpacked = problem.unpack(&richest.effects, &richest.minimum.values);
     let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S)?;
-    let most = ahead.iter().fold(0.0, |most: f64, (vaf, _)| most.max(*vaf));
+    let most = ahead.iter().flatten().fold(0.0, |most: f64, (vaf, _)| most.max(*vaf));
     (most < vaf).then(|| {
         format!(
             "The data cannot tell: the motion is the input itself ({alike} tells {vaf:.1} % of it), and no model does as well (VAF \
@@ -130,7 +130,7 @@ fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
     let places = problem.data.places();
     let unpacked = problem.unpack(&baseline.effects, &baseline.minimum.values);
     let ahead = horizon_vaf(problem, &unpacked, &places, &HORIZONS_S);
-    let ahead = ahead.and_then(|all| all.last().copied()).map_or(0.0, |(vaf, _)| vaf);
+    let ahead = ahead.and_then(|mut all| all.pop().flatten()).map_or(0.0, |(vaf, _)| vaf);
     // a swing is not what the baseline, which has no spring, predicts
     let ahead = ahead.max(vaf_of_the_past_alone(problem, &places, &places, HORIZONS_S[HORIZONS_S.len() - 1]));
     (ahead < EXPLAINED_BY_ANY).then(|| {

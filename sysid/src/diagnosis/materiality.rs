@@ -10,7 +10,7 @@ use crate::model::effect::{Effect, Locus};
 /// VAF of predictions at the longest horizon by a fitted model, per cent; `None` where no such prediction is finite.
 pub fn vaf_ahead(problem: &Problem<'_>, Fit { effects, minimum }: &Fit, sections: &[Place]) -> Option<f64> {
     let unpacked = problem.unpack(effects, &minimum.values);
-    horizon_vaf(problem, &unpacked, sections, &HORIZONS_S)?.last().map(|(vaf, _)| *vaf)
+    horizon_vaf(problem, &unpacked, sections, &HORIZONS_S)?.pop().flatten().map(|(vaf, _)| vaf)
 }
 
 /// Share of what a VAF of `before`, per cent, leaves of the motion, the noise included, that one of `after` closes; 0 where either
@@ -26,8 +26,9 @@ pub fn closed(before: Option<f64>, after: Option<f64>) -> f64 {
 /// alone, of the model, and its standard error, per cent): as much as it is but for one chance in a hundred.
 pub fn beyond_the_past(by_part: impl Iterator<Item = (f64, [f64; 3])>) -> f64 {
     let parts: Vec<(f64, [f64; 3])> = by_part.collect();
-    let [past, model] = [0, 1].map(|i| parts.iter().map(|(share, part)| share * part[i]).sum::<f64>());
-    let error = parts.iter().map(|(share, part)| (share * part[2]).powi(2)).sum::<f64>().sqrt();
+    let all = parts.iter().map(|(share, _)| share).sum::<f64>().max(f64::MIN_POSITIVE);
+    let [past, model] = [0, 1].map(|i| parts.iter().map(|(share, part)| share * part[i]).sum::<f64>() / all);
+    let error = parts.iter().map(|(share, part)| (share * part[2]).powi(2)).sum::<f64>().sqrt() / all;
     closed(Some(past), Some(model - HELD_OUT_ERRORS * error))
 }
 
@@ -61,7 +62,7 @@ mod tests {
             let Fit { effects, minimum } = &models.visited[1].fit;
             let all = horizon_vaf(problem, &problem.unpack(effects, &minimum.values), &places, &HORIZONS_S);
             let [before, after] = [0, 1].map(|place| vaf_ahead(problem, &models.visited[place].fit, &places));
-            assert_eq!(after, Some(all.unwrap().last().unwrap().0));
+            assert_eq!(after, all.unwrap().last().unwrap().map(|(vaf, _)| vaf));
             assert!(after > before.map(|vaf| vaf + 3.0), "{before:?} {after:?}");
         });
     }

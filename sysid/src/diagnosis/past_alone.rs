@@ -78,7 +78,7 @@ mod tests {
             let horizons = [0.1, 1.0];
             let model = horizon_vaf(problem, &unpacked, &held, &horizons).unwrap();
             let past = horizons.map(|h| vaf_of_the_past_alone(problem, &fitted, &held, h));
-            [[model[0].0, model[1].0], past]
+            [[0, 1].map(|i| model[i].unwrap().0), past]
         })
     }
 

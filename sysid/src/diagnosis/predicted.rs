@@ -21,14 +21,14 @@ impl Predicted {
 
 /// VAF held out at the longest horizon, mean over the parts, per cent.
 pub fn ahead(rotation: &Rotation) -> f64 {
-    rotation.mean(|part| part.extended.horizons.last().map_or(0.0, |(vaf, _)| *vaf))
+    rotation.mean(|part| part.extended.horizons.last().copied().flatten().map(|(vaf, _)| vaf))
 }
 
 /// Share of what the outputs' past alone does not tell at the shortest horizon that the model tells, held out.
 fn the_inputs_own(rotation: &Rotation) -> f64 {
-    beyond_the_past(rotation.parts.iter().map(|part| {
-        let (vaf, error) = part.extended.horizons.first().copied().unwrap_or_default();
-        (part.share_of_motion, [part.past_alone, vaf, error])
+    beyond_the_past(rotation.parts.iter().filter_map(|part| {
+        let (vaf, error) = part.extended.horizons.first().copied().flatten()?;
+        Some((part.share_of_motion, [part.past_alone, vaf, error]))
     }))
 }
 
@@ -39,7 +39,7 @@ mod tests {
 
     /// A part held out, of `share` of the motion: VAF of the past alone, of the model 0.1 and 1 s ahead.
     fn part(share: f64, [past_alone, near, far]: [f64; 3]) -> HeldOut {
-        let horizons = vec![(near, 0.5), (80.0, 0.5), (far, 0.5)];
+        let horizons = [near, 80.0, far].map(|vaf| Some((vaf, 0.5))).into();
         let extended = Scores { free_run: 90.0, horizons };
         HeldOut { extended, past_alone, share_of_motion: share, ..HeldOut::default() }
     }
@@ -54,6 +54,13 @@ mod tests {
         assert_eq!(of(moving(56.0)), Predicted::Far, "0.9 of 56 %");
         assert_eq!(of(moving(55.0)), Predicted::Little);
         assert_eq!(ahead(&Rotation::of(moving(55.0).into())), 49.5);
+        let mut short = part(0.6, [90.0, 90.0, 0.0]);
+        short.extended.horizons[2] = None;
+        assert_eq!(
+            ahead(&Rotation::of(vec![short, part(0.4, [90.0, 90.0, 70.0])])),
+            70.0,
+            "not judged is not 0"
+        );
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::dataset::Place;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::{Fit, weights};
 use crate::likelihood::free_run::{motion, vaf_over};
-use crate::likelihood::horizon::horizon_vaf;
+use crate::likelihood::horizon::{Vaf, horizon_vaf};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::model::pitch::Output;
@@ -29,8 +29,8 @@ const WITHIN: f64 = 25.0;
 pub struct Scores {
     /// Of the free run.
     pub free_run: f64,
-    /// By horizon of [`HORIZONS_S`], with standard errors.
-    pub horizons: Vec<(f64, f64)>,
+    /// By horizon of [`HORIZONS_S`]; `None` where the part is too short for it.
+    pub horizons: Vec<Option<Vaf>>,
 }
 
 /// One rotation.
@@ -87,10 +87,10 @@ impl Rotation {
         Self { parts, gains: Vec::new() }
     }
 
-    /// Mean of `figure` over the parts, each by its share of the motion: a part in which nothing moves has nothing to explain, and
-    /// says little of how well that is done.
-    pub fn mean(&self, figure: impl Fn(&HeldOut) -> f64) -> f64 {
-        self.parts.iter().map(|part| part.share_of_motion * figure(part)).sum()
+    /// Mean of `figure` over the parts that have one, each by its share of the motion: a part in which nothing moves has nothing to
+    /// explain, and says little of how well that is done. 0 where none has.
+    pub fn mean(&self, figure: impl Fn(&HeldOut) -> Option<f64>) -> f64 {
+        mean_by_motion(self.parts.iter().map(|part| (part.share_of_motion, figure(part))))
     }
 
     /// What the term called `id` gains.
@@ -105,6 +105,13 @@ struct Turned {
     /// Innovations of all rows, run by run.
     innovations: Vec<Vec<Output>>,
     log_posterior: f64,
+}
+
+/// Mean of the values that there are, each by its share of the motion; 0 where there are none.
+pub fn mean_by_motion(parts: impl Iterator<Item = (f64, Option<f64>)>) -> f64 {
+    let add = |[sum, all]: [f64; 2], (share, value): (f64, f64)| [sum + share * value, all + share];
+    let [sum, all] = parts.filter_map(|(share, value)| Some((share, value?))).fold([0.0; 2], add);
+    if all > 0.0 { sum / all } else { 0.0 }
 }
 
 /// Holds each of `parts` out once; `findings` are the terms of the model `place`.
@@ -323,7 +330,8 @@ pub fn scores(
     let unpacked = problem.unpack(effects, values);
     Scores {
         free_run: vaf_over(problem, &unpacked, places),
-        horizons: horizon_vaf(problem, &unpacked, places, &HORIZONS_S).unwrap_or_default(),
+        horizons: horizon_vaf(problem, &unpacked, places, &HORIZONS_S)
+            .unwrap_or_else(|| vec![Some((0.0, 0.0)); HORIZONS_S.len()]),
     }
 }
 

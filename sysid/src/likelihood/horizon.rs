@@ -16,14 +16,17 @@ use crate::model::pitch::Point;
 /// Predictions start this far apart, s.
 const STRIDE_S: f64 = 0.1;
 
-/// VAF at each of `horizons` (s, ascending) over `places` together, per cent, each with its standard error over blocks.
-/// `None` where the predictor diverges.
+/// VAF of a prediction, per cent, with its standard error over blocks.
+pub type Vaf = (f64, f64);
+
+/// VAF at each of `horizons` (s, ascending) over `places` together, `None` where they are too short for any prediction so far
+/// ahead. `None` for all where the predictor diverges.
 pub fn horizon_vaf(
     problem: &Problem<'_>,
     unpacked: &Unpacked,
     places: &[Place],
     horizons: &[f64],
-) -> Option<Vec<(f64, f64)>> {
+) -> Option<Vec<Option<Vaf>>> {
     let sums = sums_by_block(problem, unpacked, places, horizons)?;
     Some(sums.iter().map(|blocks| ratio(blocks)).collect())
 }
@@ -112,16 +115,16 @@ fn mean_of(problem: &Problem<'_>, places: &[Place]) -> f64 {
 }
 
 /// 100 (1 − Σ a / Σ b) over blocks, and its standard error (ratio of means; Cochran, Sampling Techniques, 1977, eq. 2.46).
-fn ratio(blocks: &[Block]) -> (f64, f64) {
+fn ratio(blocks: &[Block]) -> Option<Vaf> {
     let total = blocks.iter().fold([0.0, 0.0], |s, (_, b)| [s[0] + b[0], s[1] + b[1]]);
     if total[1] <= 0.0 {
-        return (0.0, 0.0);
+        return None;
     }
     let ratio = total[0] / total[1];
     let n = blocks.len() as f64;
     let spread: f64 = blocks.iter().map(|(_, b)| (b[0] - ratio * b[1]).powi(2)).sum();
     let error = (spread * n / (n - 1.0).max(1.0)).sqrt() / total[1];
-    (100.0 * (1.0 - ratio).max(0.0), 100.0 * error)
+    Some((100.0 * (1.0 - ratio).max(0.0), 100.0 * error))
 }
 
 #[cfg(test)]
