@@ -113,6 +113,8 @@ pub struct Dataset {
 
 /// Autocorrelation below which samples count as other ones.
 const DECORRELATED: f64 = 0.8;
+/// Share of the rows at one value from which on an input stands still.
+const STANDS: f64 = 0.9;
 
 /// Samples until the autocorrelation of the rate falls below 0.8.
 pub fn decorrelation(rates: &[Vec<f64>]) -> usize {
@@ -264,6 +266,15 @@ impl Dataset {
         self.runs.iter().any(|run| run.u.iter().any(|u| *u != run.u[0]))
     }
 
+    /// Whether the input moves for more than a tenth of the time: less is a step or two, whose spread over all rows says nothing of
+    /// its size.
+    fn input_goes_on(&self) -> bool {
+        let mut all: Vec<f64> = self.runs.iter().flat_map(|run| run.u.iter().copied()).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        let longest = all.chunk_by(|a, b| a == b).map(<[f64]>::len).max().unwrap_or(0);
+        (longest as f64) < STANDS * all.len() as f64
+    }
+
     /// Number of samples of all runs.
     pub fn samples(&self) -> usize {
         self.runs.iter().map(Run::len).sum()
@@ -296,8 +307,8 @@ impl Dataset {
         mean_of_all(&inputs)
     }
 
-    /// Typical sizes of the signals of a plant of `inertia` kg m² and `dm_du` N m per unit of the input. Where the input never
-    /// changes, moment and input are those that would move the rate as it moves.
+    /// Typical sizes of the signals of a plant of `inertia` kg m² and `dm_du` N m per unit of the input. Where the input stands still
+    /// for most of the time, moment and input are those that would move the rate as it moves.
     pub fn amplitudes(&self, inertia: f64, dm_du: f64) -> Amplitudes {
         let u = deviation(self.runs.iter().map(|r| r.u.as_slice()));
         let step = self.runs.first().map_or(0.02, |r| r.step);
@@ -314,7 +325,7 @@ impl Dataset {
         let duration = self.runs.iter().map(|run| run.elapsed(run.len())).fold(step, f64::max);
         let rate_limit =
             self.runs.iter().map(|run| run.rate_limit).reduce(f64::max).filter(|l| l.is_finite());
-        if self.input_changes() {
+        if self.input_goes_on() {
             let moment = (dm_du * u).abs().max(f64::MIN_POSITIVE);
             return Amplitudes { u, q, theta, turned, angles, moment, step, duration, rate_limit };
         }

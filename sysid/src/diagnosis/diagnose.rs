@@ -178,12 +178,9 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     }
     let selection = select(&problem, first, catalogue, &places, progress).ok_or_else(no_likelihood)?;
     let fitted = &selection.visited[selection.baseline];
-    if let Some(reason) = excitation::too_weak(&problem, &fitted.fit, &fitted.information) {
-        checks.extend(data_checks::without_fit("too weak to ask"));
-        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, true);
-    }
+    let richest = &selection.visited[selection.extended];
     progress("checking the data".into());
-    let extended = &selection.visited[selection.extended].fit;
+    let extended = &richest.fit;
     if data_checks::is_of_the_controller(recordings, &problem, extended) {
         return input_first();
     }
@@ -202,12 +199,15 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
     }
     let closed = loops.any_closed_unsaid() || loops.all_closed();
-    let richest = &selection.visited[selection.extended];
-    let unknown =
-        || excitation::gain_unknown(&problem, &richest.fit, &richest.information).filter(|_| closed);
-    let itself = || excitation::is_the_input(&problem, &richest.fit);
-    if let Some(reason) = excitation::nothing_follows(&problem, &richest.fit).or_else(unknown).or_else(itself)
-    {
+    let unknown = || {
+        let unseen = || {
+            excitation::input_unseen(&problem, &fitted.fit, &fitted.information).is_some()
+                && !excitation::tells_a_second(&problem, extended)
+        };
+        excitation::gain_unknown(&problem, extended, &richest.information).filter(|_| closed || unseen())
+    };
+    let itself = || excitation::is_the_input(&problem, extended);
+    if let Some(reason) = excitation::nothing_follows(&problem, extended).or_else(unknown).or_else(itself) {
         checks.extend(data_checks::without_fit("too weak to ask"));
         return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
     }

@@ -1,7 +1,8 @@
 //! Whether the data can answer at all: long enough, moved by the input, above the noise.
 
 use super::estimates::estimates;
-use super::levels::{HORIZONS_S, SEEN_AT_ALL, SHORTEST_S, WIDEST_GAIN_INTERVAL};
+use super::levels::{HORIZONS_S, SEEN, SEEN_AT_ALL, SHORTEST_S, WIDEST_GAIN_INTERVAL};
+use super::materiality::vaf_ahead;
 use super::past_alone::vaf_of_the_past_alone;
 use crate::identify::fir::ceiling_vaf;
 use crate::likelihood::evidence::Information;
@@ -36,13 +37,18 @@ pub fn too_little(problem: &Problem<'_>) -> Option<String> {
     dead.then(|| "The data cannot tell: no measured motion changes.".into())
 }
 
-/// Why the data are too weak: the input's effect is not known well enough to ask what is missing from it, and an
-/// unstructured model makes no more of the input either; or, where the input never changes, nothing of the motion follows from
-/// what it was before.
+/// Why the data are too weak: the input is not seen ([`input_unseen`]), and nothing of the motion follows from what it was before, as
+/// after a step or a release.
 pub fn too_weak(problem: &Problem<'_>, baseline: &Fit, information: &Information) -> Option<String> {
     if !problem.data.input_changes() {
         return at_rest(problem, baseline);
     }
+    input_unseen(problem, baseline, information).filter(|_| follows_from_before(problem) < EXPLAINED_BY_ANY)
+}
+
+/// Why the input is not seen: its effect is not known well enough to ask what is missing from it, and an unstructured model makes
+/// no more of it either.
+pub fn input_unseen(problem: &Problem<'_>, baseline: &Fit, information: &Information) -> Option<String> {
     let reason = gain_unknown(problem, baseline, information)?;
     let places = problem.data.places();
     let reached = places.iter().filter_map(|place| {
@@ -54,6 +60,11 @@ pub fn too_weak(problem: &Problem<'_>, baseline: &Fit, information: &Information
         return None;
     }
     Some(reason)
+}
+
+/// Whether a model tells half of the motion at the longest horizon: after a step or a release, whatever the input's gain is.
+pub fn tells_a_second(problem: &Problem<'_>, fit: &Fit) -> bool {
+    vaf_ahead(problem, fit, &problem.data.places()).is_some_and(|vaf| vaf >= SEEN)
 }
 
 /// Why the data are too weak for a model of a loop that was closed, where an unstructured model of the input copies what the
@@ -126,13 +137,16 @@ fn most_alike(problem: &Problem<'_>) -> Option<(&'static str, f64)> {
     lines.into_iter().filter_map(told).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
+/// VAF, per cent, of predictions at the longest horizon from the past of the motion: of a swing, which the baseline, that has no
+/// spring, does not predict.
+fn follows_from_before(problem: &Problem<'_>) -> f64 {
     let places = problem.data.places();
-    let unpacked = problem.unpack(&baseline.effects, &baseline.minimum.values);
-    let ahead = horizon_vaf(problem, &unpacked, &places, &HORIZONS_S);
-    let ahead = ahead.and_then(|mut all| all.pop().flatten()).map_or(0.0, |(vaf, _)| vaf);
-    // a swing is not what the baseline, which has no spring, predicts
-    let ahead = ahead.max(vaf_of_the_past_alone(problem, &places, &places, HORIZONS_S[HORIZONS_S.len() - 1]));
+    vaf_of_the_past_alone(problem, &places, &places, HORIZONS_S[HORIZONS_S.len() - 1])
+}
+
+fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
+    let ahead = vaf_ahead(problem, baseline, &problem.data.places()).unwrap_or(0.0);
+    let ahead = ahead.max(follows_from_before(problem));
     (ahead < EXPLAINED_BY_ANY).then(|| {
         format!(
             "The data cannot tell: the input never changes, and the motion is no swing or decay either that follows from what it was \
