@@ -203,6 +203,19 @@ fn a_swing_that_dies_out_tells_gravity_and_damping_without_an_input_or_a_model()
     }
 }
 
+/// One step is all that the input does: its spread says nothing of its size, and gain and a constant moment are one number, but the
+/// swing after it tells the weight.
+#[test]
+fn the_swing_after_a_single_step_tells_gravity_without_a_model() {
+    let plant = Plant { dm_dq: -0.05, ..Plant::nominal().rigid() };
+    let effects = vec![effect("gravity_stiffness", &[("G", 6.5)])];
+    let step = Input::Step { height: -0.08 };
+    let swing = Bench { plant, effects, input: step, works_s: [0.2, 6.0], duration_s: 6.0, ..sprung(7) };
+    let answer = ask(&[read(&logged(&swing))], None).answer;
+    assert_eq!((answer.verdict, ids(&answer)), (Verdict::Named, vec!["gravity_stiffness"]));
+    assert!(is_right(estimate(&answer, "gravity_stiffness", "G"), 6.5 / swing.plant.inertia_kg_m2, 0.05));
+}
+
 /// A rig whose angle keeps to one side, in 20 s at 10 Hz of which only the angle is logged: gravity is not seen without the moment
 /// that it hangs against, nor that without gravity.
 #[test]
