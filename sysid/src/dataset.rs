@@ -295,6 +295,18 @@ impl Dataset {
             .collect()
     }
 
+    /// Σ (y − ȳ)² of the signal that models are judged by, the pitch rate or else the angle, about its mean in each of `places`.
+    pub fn motion(&self, places: &[Place]) -> f64 {
+        let of = |place: &Place| {
+            let run = &self.runs[place.run];
+            let signal = run.rate.as_ref().or(run.angle.as_ref());
+            let y = signal.map_or(&[][..], |y| &y[place.rows.clone()]);
+            let mean = y.iter().sum::<f64>() / y.len().max(1) as f64;
+            y.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>()
+        };
+        places.iter().map(of).sum()
+    }
+
     /// Mean of the angle over all samples, rad; `None` where a recording lacks it.
     pub fn mean_angle(&self) -> Option<f64> {
         let angles: Option<Vec<&[f64]>> = self.runs.iter().map(|run| run.angle.as_deref()).collect();

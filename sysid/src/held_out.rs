@@ -1,7 +1,6 @@
 //! Which sections are kept aside to judge by.
 
 use crate::dataset::{Dataset, Place};
-use crate::validate::vaf::variance;
 
 /// Share of a recording without sections that is kept aside, at its end.
 const LAST_SHARE: f64 = 0.3;
@@ -78,13 +77,7 @@ impl Split {
 
 /// Whether a third of the motion is in `training`: a fit to what hardly moves is a fit to the disturbance.
 fn enough(data: &Dataset, training: &[Place]) -> bool {
-    let of = |place: &Place| {
-        let run = &data.runs[place.run];
-        let signal = run.rate.as_ref().or(run.angle.as_ref());
-        signal.map_or(0.0, |y| place.rows.len() as f64 * variance(&y[place.rows.clone()]))
-    };
-    let motion = |places: &[Place]| places.iter().map(of).sum::<f64>();
-    !training.is_empty() && motion(training) >= LEFT_TO_FIT * motion(&data.places())
+    !training.is_empty() && data.motion(training) >= LEFT_TO_FIT * data.motion(&data.places())
 }
 
 /// Labels of places.

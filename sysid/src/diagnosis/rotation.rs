@@ -13,7 +13,7 @@ use crate::catalogue::find;
 use crate::dataset::Place;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::{Fit, weights};
-use crate::likelihood::free_run::{motion, vaf_over};
+use crate::likelihood::free_run::vaf_over;
 use crate::likelihood::horizon::{Vaf, horizon_vaf};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
@@ -188,7 +188,7 @@ pub fn rotate(
             baseline: scores(selection.baseline, baseline),
             extended: scores(models[best], chosen),
             past_alone: vaf_of_the_past_alone(problem, &others, &part.places, HORIZONS_S[0]),
-            share_of_motion: motion(problem, &part.places),
+            share_of_motion: problem.data.motion(&part.places),
             chosen: ids(models[best]),
             places: part.places.clone(),
             baseline_values: baseline.values.clone(),

@@ -75,17 +75,8 @@ pub fn vaf_over(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) ->
         let errors: Vec<f64> = y.iter().zip(s).map(|(y, s)| y - s).collect();
         left += y.len() as f64 * variance(&errors);
     }
-    let whole = motion(problem, places);
+    let whole = problem.data.motion(places);
     if whole > 0.0 { 100.0 * (1.0 - left / whole).max(0.0) } else { 0.0 }
-}
-
-/// Squares of the signal that models are judged by, about its mean in each of `places`, summed.
-pub fn motion(problem: &Problem<'_>, places: &[Place]) -> f64 {
-    let of = |place: &Place| {
-        let y = judged(problem, place);
-        y.len() as f64 * variance(y)
-    };
-    places.iter().map(of).sum()
 }
 
 /// Output-error maximum likelihood over `places`: the plant's and the effects' parameters that minimise the free-run
