@@ -10,9 +10,6 @@ use crate::likelihood::fit::Fit;
 use crate::likelihood::free_run::judged;
 use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
-use crate::optim::least_squares::least_squares;
-use crate::validate::vaf::vaf;
-use nalgebra::DVector;
 
 /// Share of the output, per cent, that an FIR model must explain for the input to count as seen.
 const EXPLAINED_BY_ANY: f64 = 40.0;
@@ -115,26 +112,31 @@ pub fn is_the_input(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
     })
 }
 
-/// The line through the input, or its slope, that tells most of the motion, with its VAF, per cent.
+/// The line through the input, or its slope, that tells most of the motion, with its VAF, per cent: the square of their correlation.
 fn most_alike(problem: &Problem<'_>) -> Option<(&'static str, f64)> {
-    let slope = |u: &[f64]| -> Vec<f64> {
-        (0..u.len()).map(|k| u[(k + 1).min(u.len() - 1)] - u[k.saturating_sub(1)]).collect()
-    };
-    let lines = [("a + b u", 0, false), ("a + b u of the row before", 1, false), ("a + b du/dt", 0, true)];
-    let told = |(name, lag, of_slope): (&'static str, usize, bool)| {
+    let level = |u: &[f64], k: usize| u[k];
+    let before = |u: &[f64], k: usize| u[k.saturating_sub(1)];
+    let slope = |u: &[f64], k: usize| u[(k + 1).min(u.len() - 1)] - u[k.saturating_sub(1)];
+    let lines: [(&'static str, fn(&[f64], usize) -> f64); 3] =
+        [("a + b u", level), ("a + b u of the row before", before), ("a + b du/dt", slope)];
+    let told = lines.map(|(name, of)| {
         let places = problem.data.places();
         let pairs = places.iter().flat_map(|place| {
             let u = &problem.data.runs[place.run].u[place.rows.clone()];
-            let x = if of_slope { slope(u) } else { u.to_vec() };
-            let y = judged(problem, place).iter().skip(lag).copied();
-            x.into_iter().zip(y).map(|(x, y)| (DVector::from_vec(vec![1.0, x]), y)).collect::<Vec<_>>()
+            judged(problem, place).iter().enumerate().map(move |(k, y)| [of(u, k), *y])
         });
-        let pairs: Vec<(DVector<f64>, f64)> = pairs.collect();
-        let weights = least_squares(2, pairs.iter().cloned())?;
-        let (y, told): (Vec<f64>, Vec<f64>) = pairs.iter().map(|(x, y)| (*y, weights.dot(x))).unzip();
-        Some((name, vaf(&y, &told)))
-    };
-    lines.into_iter().filter_map(told).max_by(|a, b| a.1.total_cmp(&b.1))
+        (name, 100.0 * correlation(pairs.collect()).powi(2))
+    });
+    told.into_iter().filter(|(_, vaf)| vaf.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Σ (x − x̄)(y − ȳ) / √(Σ (x − x̄)² Σ (y − ȳ)²); no number where one of them stands still.
+fn correlation(pairs: Vec<[f64; 2]>) -> f64 {
+    let n = pairs.len() as f64;
+    let mean = [0, 1].map(|i| pairs.iter().map(|pair| pair[i]).sum::<f64>() / n);
+    let product =
+        |i: usize, j: usize| pairs.iter().map(|pair| (pair[i] - mean[i]) * (pair[j] - mean[j])).sum::<f64>();
+    product(0, 1) / (product(0, 0) * product(1, 1)).sqrt()
 }
 
 /// VAF, per cent, of predictions at the longest horizon from the past of the motion: of a swing, which the baseline, that has no

@@ -80,6 +80,10 @@ impl FromStr for ColumnMap {
         })?;
         let role = Role::of(target).map(|(role, _)| role);
         if read.names().is_empty() && matches!(role, Some(Role::Input(_))) {
+            let value = read.value(&[]);
+            if !value.is_finite() || value.abs() > 1e12 {
+                return Err(refuse(format!("the value {value} is no number or out of range")));
+            }
             return Ok(Self { target: target.into(), source: read, factor: 1.0 });
         }
         let (factor, source) = read.without_factor();
@@ -197,6 +201,8 @@ mod tests {
             ("q_rad_s=gy*0", "out of range"),
             ("q_rad_s=gy/0", "out of range"),
             ("q_rad_s=3*pi", "no column of the file is named"),
+            ("u_norm=0/0", "no number"),
+            ("u_norm=1e300", "out of range"),
             ("section=a+b", "name one column"),
             ("speed=gy", "one of "),
             ("q_rads=gy", "one of q_rad_s,"),
