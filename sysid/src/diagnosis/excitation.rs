@@ -112,12 +112,15 @@ pub fn is_the_input(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
     })
 }
 
+/// What a line is drawn through, of an input in a row.
+type Line = fn(&[f64], usize) -> f64;
+
 /// The line through the input, or its slope, that tells most of the motion, with its VAF, per cent: the square of their correlation.
 fn most_alike(problem: &Problem<'_>) -> Option<(&'static str, f64)> {
     let level = |u: &[f64], k: usize| u[k];
     let before = |u: &[f64], k: usize| u[k.saturating_sub(1)];
     let slope = |u: &[f64], k: usize| u[(k + 1).min(u.len() - 1)] - u[k.saturating_sub(1)];
-    let lines: [(&'static str, fn(&[f64], usize) -> f64); 3] =
+    let lines: [(&str, Line); 3] =
         [("a + b u", level), ("a + b u of the row before", before), ("a + b du/dt", slope)];
     let told = lines.map(|(name, of)| {
         let places = problem.data.places();
@@ -125,13 +128,13 @@ fn most_alike(problem: &Problem<'_>) -> Option<(&'static str, f64)> {
             let u = &problem.data.runs[place.run].u[place.rows.clone()];
             judged(problem, place).iter().enumerate().map(move |(k, y)| [of(u, k), *y])
         });
-        (name, 100.0 * correlation(pairs.collect()).powi(2))
+        (name, 100.0 * correlation(&pairs.collect::<Vec<[f64; 2]>>()).powi(2))
     });
     told.into_iter().filter(|(_, vaf)| vaf.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Σ (x − x̄)(y − ȳ) / √(Σ (x − x̄)² Σ (y − ȳ)²); no number where one of them stands still.
-fn correlation(pairs: Vec<[f64; 2]>) -> f64 {
+fn correlation(pairs: &[[f64; 2]]) -> f64 {
     let n = pairs.len() as f64;
     let mean = [0, 1].map(|i| pairs.iter().map(|pair| pair[i]).sum::<f64>() / n);
     let product =
