@@ -295,12 +295,17 @@ impl Dataset {
             .collect()
     }
 
-    /// Σ (y − ȳ)² of the signal that models are judged by, the pitch rate or else the angle, about its mean in each of `places`.
+    /// The measured signal that models are judged by in `place`: the pitch rate, or the angle where no rate was measured.
+    pub fn judged(&self, place: &Place) -> &[f64] {
+        let run = &self.runs[place.run];
+        let signal = run.rate.as_ref().or(run.angle.as_ref());
+        signal.map_or(&[], |y| &y[place.rows.clone()])
+    }
+
+    /// Σ (y − ȳ)² of the signal that models are judged by, about its mean in each of `places`.
     pub fn motion(&self, places: &[Place]) -> f64 {
         let of = |place: &Place| {
-            let run = &self.runs[place.run];
-            let signal = run.rate.as_ref().or(run.angle.as_ref());
-            let y = signal.map_or(&[][..], |y| &y[place.rows.clone()]);
+            let y = self.judged(place);
             let mean = y.iter().sum::<f64>() / y.len().max(1) as f64;
             y.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>()
         };

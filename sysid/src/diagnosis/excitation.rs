@@ -83,9 +83,7 @@ pub fn gain_unknown(problem: &Problem<'_>, fit: &Fit, information: &Information)
 /// Why the data are too weak for any model: not even the richest predicts anything of the motion from what it was and from the
 /// input, at any horizon. What then is significant is made of the air.
 pub fn nothing_follows(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
-    let unpacked = problem.unpack(&richest.effects, &richest.minimum.values);
-    let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S)?;
-    let most = ahead.iter().flatten().fold(0.0, |most: f64, (vaf, _)| most.max(*vaf));
+    let most = most_ahead(problem, richest)?;
     (most < SEEN_AT_ALL).then(|| {
         format!(
             "The data cannot tell: the motion does not follow from the input (VAF {most:.1} % at most of predictions {} to {} s ahead, \
@@ -99,9 +97,7 @@ pub fn nothing_follows(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
 /// as well at any horizon. The input is then what an inner loop is told, which is quicker than the rows, or it is made of the motion.
 pub fn is_the_input(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
     let (alike, vaf) = most_alike(problem)?;
-    let unpacked = problem.unpack(&richest.effects, &richest.minimum.values);
-    let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S)?;
-    let most = ahead.iter().flatten().fold(0.0, |most: f64, (vaf, _)| most.max(*vaf));
+    let most = most_ahead(problem, richest)?;
     (most < vaf).then(|| {
         format!(
             "The data cannot tell: the motion is the input itself ({alike} tells {vaf:.1} % of it), and no model does as well (VAF \
@@ -110,6 +106,13 @@ pub fn is_the_input(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
             HORIZONS_S[0], HORIZONS_S[HORIZONS_S.len() - 1]
         )
     })
+}
+
+/// VAF, per cent, of a model's predictions at its best horizon; `None` where it diverges.
+fn most_ahead(problem: &Problem<'_>, fit: &Fit) -> Option<f64> {
+    let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
+    let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S)?;
+    Some(ahead.iter().flatten().fold(0.0, |most, (vaf, _)| vaf.max(most)))
 }
 
 /// What a line is drawn through, of an input in a row.

@@ -39,11 +39,9 @@ pub fn simulate(
     Some(simulated)
 }
 
-/// The measured signal that a free run is judged by: the pitch rate, or the angle where no rate was measured.
+/// [`Dataset::judged`](crate::dataset::Dataset::judged) of the problem's data.
 pub fn judged<'d>(problem: &'d Problem<'_>, place: &Place) -> &'d [f64] {
-    let run = &problem.data.runs[place.run];
-    let signal = run.rate.as_ref().or(run.angle.as_ref());
-    signal.map_or(&[], |s| &s[place.rows.clone()])
+    problem.data.judged(place)
 }
 
 /// The same channel of a simulation.
