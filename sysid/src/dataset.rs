@@ -261,18 +261,18 @@ impl Dataset {
         columns().all(|values| values.is_some()) && columns().flatten().any(moves)
     }
 
-    /// Whether the input takes more than one value in any run.
+    /// Whether the input takes more than one value, in a run or from one run to another.
     pub fn input_changes(&self) -> bool {
-        self.runs.iter().any(|run| run.u.iter().any(|u| *u != run.u[0]))
+        let mut all = self.runs.iter().flat_map(|run| &run.u);
+        let first = all.next();
+        all.any(|u| Some(u) != first)
     }
 
-    /// Whether the input moves for more than a tenth of the time: less is a step or two, whose spread over all rows says nothing of
-    /// its size.
+    /// Whether the input moves for more than a tenth of the time: less is a step or two, or one value a run, whose spread over all
+    /// rows says nothing of its size.
     fn input_goes_on(&self) -> bool {
-        let mut all: Vec<f64> = self.runs.iter().flat_map(|run| run.u.iter().copied()).collect();
-        all.sort_unstable_by(f64::total_cmp);
-        let longest = all.chunk_by(|a, b| a == b).map(<[f64]>::len).max().unwrap_or(0);
-        (longest as f64) < STANDS * all.len() as f64
+        let standing: usize = self.runs.iter().map(|run| rows_at_rest(&run.u)).sum();
+        (standing as f64) < STANDS * self.samples() as f64
     }
 
     /// Number of samples of all runs.
@@ -417,6 +417,18 @@ fn deviation<'a>(pieces: impl Iterator<Item = &'a [f64]>) -> f64 {
         count += piece.len();
     }
     (sum / count.max(1) as f64).sqrt().max(1e-12)
+}
+
+/// Number of rows with the value that most of them have (Boyer, Moore, 1981); where no value has more than half, some number below that.
+fn rows_at_rest(signal: &[f64]) -> usize {
+    let (mut value, mut votes) = (0.0, 0usize);
+    for x in signal {
+        if votes == 0 {
+            value = *x;
+        }
+        votes = if *x == value { votes + 1 } else { votes - 1 };
+    }
+    signal.iter().filter(|x| **x == value).count()
 }
 
 /// The largest magnitude of a signal where several samples have exactly that, infinite where they do not.

@@ -126,6 +126,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     let &Asked { recordings, data, model, catalogue, progress } = asked;
     let notes = || {
         let mut notes = data.notes(recordings);
+        notes.extend(excitation::is_short(data));
         if model.is_none() {
             notes.push(ASSUMED.into());
         }
@@ -206,8 +207,10 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         };
         excitation::gain_unknown(&problem, extended, &richest.information).filter(|_| closed || unseen())
     };
-    let itself = || excitation::is_the_input(&problem, extended);
-    if let Some(reason) = excitation::nothing_follows(&problem, extended).or_else(unknown).or_else(itself) {
+    let most = excitation::most_ahead(&problem, extended);
+    let nothing = || excitation::nothing_follows(most?);
+    let itself = || excitation::is_the_input(&problem, most?);
+    if let Some(reason) = nothing().or_else(unknown).or_else(itself) {
         checks.extend(data_checks::without_fit("too weak to ask"));
         return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
     }

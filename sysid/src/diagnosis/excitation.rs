@@ -4,6 +4,7 @@ use super::estimates::estimates;
 use super::levels::{HORIZONS_S, SEEN, SEEN_AT_ALL, SHORTEST_S, WIDEST_GAIN_INTERVAL};
 use super::materiality::vaf_ahead;
 use super::past_alone::vaf_of_the_past_alone;
+use crate::dataset::Dataset;
 use crate::identify::fir::ceiling_vaf;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::Fit;
@@ -13,15 +14,31 @@ use crate::likelihood::problem::Problem;
 
 /// Share of the output, per cent, that an FIR model must explain for the input to count as seen.
 const EXPLAINED_BY_ANY: f64 = 40.0;
+/// Data shorter than this are told as short, s: of springs and frictions that a hundred show, three of four are missed in 3 s.
+const SHORT_S: f64 = 10.0;
 /// Memory of that model, s.
 const FIR_MEMORY_S: f64 = 1.0;
 
+/// Length of all sections, s.
+fn seconds(data: &Dataset) -> f64 {
+    let lengths = data.places().into_iter().map(|place| place.rows.len() as f64 * data.runs[place.run].step);
+    // the sum of nothing is −0.0, which would be told
+    lengths.fold(0.0, |all, seconds| all + seconds)
+}
+
+/// That the data are short, where they are: what is told is told of what is strong.
+pub fn is_short(data: &Dataset) -> Option<String> {
+    let seconds = seconds(data);
+    (seconds < SHORT_S).then(|| {
+        format!(
+            "{seconds:.1} s of excitation are short: what is weak does not show in them (a hundred are good)"
+        )
+    })
+}
+
 /// Why the data are too little before anything is fitted: too short, or a motion that never changes.
 pub fn too_little(problem: &Problem<'_>) -> Option<String> {
-    let places = problem.data.places();
-    let lengths = places.iter().map(|p| p.rows.len() as f64 * problem.data.runs[p.run].step);
-    // the sum of nothing is −0.0, which would be told
-    let seconds = lengths.fold(0.0, |all, seconds| all + seconds);
+    let seconds = seconds(problem.data);
     if seconds < SHORTEST_S {
         return Some(format!(
             "The data cannot tell: {seconds:.1} s of excitation are too short, at least {SHORTEST_S} s are needed (a hundred are good)."
@@ -81,9 +98,8 @@ pub fn gain_unknown(problem: &Problem<'_>, fit: &Fit, information: &Information)
 }
 
 /// Why the data are too weak for any model: not even the richest predicts anything of the motion from what it was and from the
-/// input, at any horizon. What then is significant is made of the air.
-pub fn nothing_follows(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
-    let most = most_ahead(problem, richest)?;
+/// input, at any horizon ([`most_ahead`]). What then is significant is made of the air.
+pub fn nothing_follows(most: f64) -> Option<String> {
     (most < SEEN_AT_ALL).then(|| {
         format!(
             "The data cannot tell: the motion does not follow from the input (VAF {most:.1} % at most of predictions {} to {} s ahead, \
@@ -94,10 +110,9 @@ pub fn nothing_follows(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
 }
 
 /// Why the data are too weak for any model: the motion is the input itself, in the same row or the one before, and no model predicts it
-/// as well at any horizon. The input is then what an inner loop is told, which is quicker than the rows, or it is made of the motion.
-pub fn is_the_input(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
+/// as well at any horizon ([`most_ahead`]). The input is then what an inner loop is told, which is quicker than the rows, or it is made of the motion.
+pub fn is_the_input(problem: &Problem<'_>, most: f64) -> Option<String> {
     let (alike, vaf) = most_alike(problem)?;
-    let most = most_ahead(problem, richest)?;
     (most < vaf).then(|| {
         format!(
             "The data cannot tell: the motion is the input itself ({alike} tells {vaf:.1} % of it), and no model does as well (VAF \
@@ -109,7 +124,7 @@ pub fn is_the_input(problem: &Problem<'_>, richest: &Fit) -> Option<String> {
 }
 
 /// VAF, per cent, of a model's predictions at its best horizon; `None` where it diverges.
-fn most_ahead(problem: &Problem<'_>, fit: &Fit) -> Option<f64> {
+pub fn most_ahead(problem: &Problem<'_>, fit: &Fit) -> Option<f64> {
     let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
     let ahead = horizon_vaf(problem, &unpacked, &problem.data.places(), &HORIZONS_S)?;
     Some(ahead.iter().flatten().fold(0.0, |most, (vaf, _)| vaf.max(most)))
@@ -177,14 +192,17 @@ mod tests {
         let mut random = Pcg64::seed_from_u64(5);
         still.q.iter_mut().for_each(|q| *q = 0.01 * normal(&mut random));
         still.theta.iter_mut().for_each(|theta| *theta = 0.003 * normal(&mut random));
-        let said = asked(&still, nothing_follows);
+        let said = asked(&still, |problem, fit| nothing_follows(most_ahead(problem, fit)?));
         assert!(said.is_some_and(|reason| reason.contains("does not follow from the input")));
     }
 
     #[test]
     fn a_weak_input_in_air_is_no_such_case() {
         let u = flight(1, 0.0).u.iter().map(|u| 0.3 * u).collect();
-        assert_eq!(asked(&flown_by(1, u, |_, _, _| 0.0), nothing_follows), None);
+        assert_eq!(
+            asked(&flown_by(1, u, |_, _, _| 0.0), |problem, fit| nothing_follows(most_ahead(problem, fit)?)),
+            None
+        );
     }
     #[test]
     fn a_motion_that_is_its_demand_tells_nothing_of_the_vehicle() {
@@ -202,8 +220,9 @@ mod tests {
             servo.theta[k] = demand + 1e-3 * normal(&mut random);
             servo.q[k] = step / STEP + 0.02 * normal(&mut random);
         }
-        let said = asked(&servo, is_the_input).unwrap();
+        let itself = |problem: &Problem<'_>, fit: &Fit| is_the_input(problem, most_ahead(problem, fit)?);
+        let said = asked(&servo, itself).unwrap();
         assert!(said.contains("a + b du/dt tells "), "{said}");
-        assert_eq!(asked(&flight(1, 0.0), is_the_input), None);
+        assert_eq!(asked(&flight(1, 0.0), itself), None);
     }
 }

@@ -95,7 +95,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             }
         };
         let fit = &selection.visited[place].fit;
-        let all = tests(problem, fit, &sections);
+        let all = tests(problem, fit, &sections, ADEQUACY);
         let failed: Vec<Test> = failing(&all, ADEQUACY).into_iter().cloned().collect();
         let closes = failed.iter().filter(|test| test.of_physics).map(|test| test.closes);
         let untold = 0.5 * closes.fold(0.0, f64::max);

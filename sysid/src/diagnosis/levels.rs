@@ -24,8 +24,8 @@ pub const ANOTHER_GAIN: f64 = 1.2;
 pub const MOST_TERMS: usize = 5;
 /// Odds of a false alarm of one check of the data (one in 1,000 recordings).
 pub const DATA_CHECK: f64 = 1e-3;
-/// Shortest data on which physics is asked for, s: a handful of switches of the slowest campaign.
-pub const SHORTEST_S: f64 = 4.0;
+/// Shortest data on which physics is asked for, s: a few switches of the input, or half a swing.
+pub const SHORTEST_S: f64 = 2.0;
 /// Widest 95 % interval of ∂M/∂u, relative, half width, with which the input still counts as seen.
 pub const WIDEST_GAIN_INTERVAL: f64 = 0.5;
 /// Widest 95 % interval of what axes share, relative, half width: a size that is not known is no finding.

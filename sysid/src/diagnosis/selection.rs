@@ -11,7 +11,7 @@
 use super::another_zero::{PAIRS, about_another_zero};
 use super::change_point::best_moment;
 use super::excerpt::{carried, excerpt};
-use super::levels::MOST_TERMS;
+use super::levels::{MOST_TERMS, PLAUSIBLE};
 use super::posterior::{Selection, Visited, is_shape};
 use super::prior::log_prior;
 use super::rotation::all_but_the_same;
@@ -413,8 +413,10 @@ impl Search<'_, '_> {
         prospects
     }
 
-    /// The model at `place` with the shapes that raise its posterior.
+    /// The model at `place` with the shapes without which it is implausible: a form that is fitted can look like something by chance,
+    /// and has no sentence of physics to stand on.
     fn with_shapes(&mut self, place: usize) -> usize {
+        let sure = ((1.0 - PLAUSIBLE) / PLAUSIBLE).ln();
         let mut current = place;
         for _ in 0..MOST_SHAPES {
             let prospects = self.shapes(current);
@@ -422,7 +424,7 @@ impl Search<'_, '_> {
                 prospects.par_iter().filter_map(|p| refit(self.problem, &p.effects, &p.values)).collect();
             let after: Vec<usize> = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
             match self.best(&after) {
-                Some(best) if self.improvement(best, current) > 0.0 => current = best,
+                Some(best) if self.improvement(best, current) > sure => current = best,
                 _ => break,
             }
         }

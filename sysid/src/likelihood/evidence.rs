@@ -230,6 +230,21 @@ impl Information {
         along(&self.covariance).max(along(&self.by_blocks)).max(0.0).sqrt()
     }
 
+    /// How all unknowns move, in the coordinates of the search, when those of `own` that move are drawn from what the data leave of
+    /// them and the others follow: for ξ ~ N(0, I) by R ξ, with R = C_·ν L⁻ᵀ and C_νν = L Lᵀ. A row for each unknown.
+    pub fn spread(&self, own: impl Iterator<Item = usize>) -> Option<DMatrix<f64>> {
+        let places: Vec<usize> = own.filter_map(|i| self.free.iter().position(|&j| j == i)).collect();
+        let p = places.len();
+        let root = factor(&DMatrix::from_fn(p, p, |a, b| self.covariance[(places[a], places[b])]))?;
+        let across = DMatrix::from_fn(p, self.free.len(), |a, b| self.covariance[(places[a], b)]);
+        let of_free = root.l().solve_lower_triangular(&across)?;
+        let mut all = DMatrix::zeros(self.coordinates.len(), p);
+        for (b, &i) in self.free.iter().enumerate() {
+            all.row_mut(i).copy_from(&of_free.column(b).transpose());
+        }
+        Some(all)
+    }
+
     /// Whether one of the unknowns `own` that may have either sign has a 95 % interval that holds zero: then it is no term.
     pub fn holds_zero(&self, mut own: impl Iterator<Item = usize>, values: &[f64]) -> bool {
         let deviations = self.deviations(values);
