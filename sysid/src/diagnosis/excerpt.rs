@@ -20,23 +20,25 @@ use std::ops::Range;
 const ENOUGH: usize = 6_000;
 /// To search in part and to fit again costs more than to search on no more than so many.
 const FEW: usize = 10_000;
-/// Stretches in which they lie.
+/// Stretches in which they lie. Where no angle is measured, one: nothing says at which angle a stretch begins, and what pulls back
+/// from there would be a moment of each of them for as long as they last.
 const STRETCHES: usize = 16;
 /// Models are carried over whose log posterior lies no further below the best one's, and so many at the most.
 const WITHIN: f64 = 10.0;
 const MOST_CARRIED: usize = 8;
 
-/// Stretches of equal length from all over the data; `None` where the data are few.
+/// Stretches of equal length from all over the data, or the first as long as all of them; `None` where the data are few.
 pub fn excerpt(data: &Dataset) -> Option<Dataset> {
     let all = data.samples();
     if all <= FEW {
         return None;
     }
+    let stretches = if data.has_angle { STRETCHES } else { 1 };
     let stretch = |k: usize| {
-        let first = k * all / STRETCHES;
-        pieces(data.runs.iter().map(Run::len), first..first + ENOUGH / STRETCHES)
+        let first = k * all / stretches;
+        pieces(data.runs.iter().map(Run::len), first..first + ENOUGH / stretches)
     };
-    let rows = (0..STRETCHES).flat_map(stretch).filter(|(_, rows)| rows.len() > 1);
+    let rows = (0..stretches).flat_map(stretch).filter(|(_, rows)| rows.len() > 1);
     let runs = rows.map(|(run, rows)| cut(&data.runs[run], rows)).collect();
     Some(Dataset { runs, ..*data })
 }
@@ -127,7 +129,10 @@ mod tests {
                 beside: Beside::default(),
                 ..run.clone()
             };
-            let part = excerpt(&Dataset { runs: vec![long.clone()], ..problem.data.clone() }).unwrap();
+            let all = Dataset { runs: vec![long.clone()], ..problem.data.clone() };
+            let of_the_rate = excerpt(&Dataset { has_angle: false, ..all.clone() }).unwrap();
+            assert_eq!((of_the_rate.runs.len(), of_the_rate.samples()), (1, ENOUGH));
+            let part = excerpt(&all).unwrap();
             assert_eq!((part.runs.len(), part.samples()), (STRETCHES, ENOUGH));
             for run in &part.runs {
                 let row = run.u[3] as usize;
