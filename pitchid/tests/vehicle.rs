@@ -26,6 +26,28 @@ fn logged(folder: &Path) {
 }
 
 #[test]
+fn what_names_the_columns_is_handed_to_the_next_command() {
+    let folder = tempfile::tempdir().unwrap();
+    logged(folder.path());
+    let option = "--column 'q_rad_s=gyro*0.01745";
+    for command in ["show", "doctor"] {
+        assert!(
+            refused_or_wrong(folder.path(), command).contains("gyro"),
+            "{command}: nothing says what it is"
+        );
+        let told = answered(folder.path(), &[command, "logged.csv", "--column", "q_rad_s=gyro*pi/180"]);
+        let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(told.contains(&format!("pitchid diagnose logged.csv {option}")), "{command}: {told}");
+    }
+}
+
+/// What `command` says of the file without more.
+fn refused_or_wrong(folder: &Path, command: &str) -> String {
+    let (_, out, err) = run(folder, &[command, "logged.csv"]);
+    out + &err
+}
+
+#[test]
 fn a_vehicle_is_described_once_for_all_its_recordings() {
     let folder = tempfile::tempdir().unwrap();
     let (root, inner) = (folder.path(), folder.path().join("monday"));

@@ -10,6 +10,7 @@ use crate::vehicle::Wanted;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use sysid::recording::ColumnMap;
 
 /// Says what is wrong with the set-up, or with a file that fails, and what to do about it
 ///
@@ -21,6 +22,10 @@ pub struct Arguments {
     /// Files of any kind; - is standard input
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
+
+    /// A column of another name, or arithmetic over columns, as `pitchid diagnose` takes it: t_s=millis/1000
+    #[arg(long = "column", value_name = "NAME=EXPR")]
+    columns: Vec<ColumnMap>,
 
     #[command(flatten)]
     wanted: Wanted,
@@ -92,7 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let vehicle = arguments.wanted.find();
     let examined: Vec<Examined> = match arguments.files.as_slice() {
         [] => vec![set_up::examined(&vehicle)],
-        files => files.iter().map(|path| file::examined(path, &vehicle)).collect(),
+        files => files.iter().map(|path| file::examined(path, &arguments.columns, &vehicle)).collect(),
     };
     output::print(&examined.iter().map(told).collect::<Vec<_>>().join("\n"))?;
     let Some(path) = &arguments.json else { return Ok(()) };

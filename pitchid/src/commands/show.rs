@@ -10,10 +10,10 @@ use crate::logs::{AxisName, Source, TimeSpan, choose, open};
 use crate::progress::Progress;
 use crate::{input, output};
 use clap::Args;
-use content::{Shown, of_flight, of_recording};
+use content::{Shown, ShownRecording, of_flight, of_recording};
 use flight_logs::axes::Axis;
 use std::path::{Path, PathBuf};
-use sysid::recording::ReadOptions;
+use sysid::recording::{ColumnMap, ReadOptions};
 
 /// Says what a flight log or a recording holds: whether it can serve, where something moves, what to set if not
 ///
@@ -40,6 +40,11 @@ pub struct Arguments {
     #[arg(long, value_name = "FROM..TO", allow_hyphen_values = true)]
     time: Option<TimeSpan>,
 
+    /// A column of a recording that has another name, or arithmetic over columns, as `pitchid diagnose` takes it:
+    /// t_s=millis/1000, 'q_deg_s=-gyro_y'
+    #[arg(long = "column", value_name = "NAME=EXPR")]
+    columns: Vec<ColumnMap>,
+
     /// Write what is shown as JSON, with the fields of all topics; without a name, and for -, to standard output, which then
     /// carries nothing else
     #[arg(long, value_name = "OUT.json", num_args = 0..=1, default_missing_value = "-", value_parser = json_file)]
@@ -59,6 +64,7 @@ Examples:
   pitchid show flight.ulg
   pitchid show blackbox.bbl --flight 2 --axis roll --report flight.html
   pitchid show flight.ulg --axis pitch --plot pitch.svg
+  pitchid show rig.csv --column t_s=millis/1000 --column q_deg_s=gyro --column 'u_norm=(pwm-1500)/500'
   pitchid show 00000012.BIN --json | jq '.[0].axes[1].settings'
 
 Exit status: 0 it was read, whatever it holds; 2 the input could not be used.";
@@ -73,7 +79,8 @@ fn json_file(name: &str) -> Result<PathBuf, String> {
 }
 
 /// A recording, by axis where it has columns of several.
-fn of_table(table: &Readable, axis: Option<Axis>) -> Result<Vec<Shown>, Failure> {
+fn of_table(table: &Readable, axis: Option<Axis>, columns: &[ColumnMap]) -> Result<Vec<Shown>, Failure> {
+    let options = ReadOptions { columns: columns.to_vec(), ..ReadOptions::default() };
     let mut axes: Vec<Option<Axis>> = match axis {
         Some(_) => vec![axis],
         None => table.axes().into_iter().map(Some).collect(),
@@ -82,8 +89,9 @@ fn of_table(table: &Readable, axis: Option<Axis>) -> Result<Vec<Shown>, Failure>
         axes.push(None);
     }
     let read = |axis| {
-        let recording = table.recording(axis, &ReadOptions::default())?;
-        Ok(Shown::Recording(of_recording(&recording, axis)))
+        let recording = table.recording(axis, &options)?;
+        let options = columns.iter().map(|map| format!(" {}", map.option_to_scale(1.0))).collect();
+        Ok(Shown::Recording(ShownRecording { options, ..of_recording(&recording, axis) }))
     };
     axes.into_iter().map(read).collect()
 }
@@ -118,11 +126,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 pub fn shown(arguments: &Arguments) -> Result<Vec<Shown>, Failure> {
     let axes: Vec<Axis> = arguments.axis.map_or(Axis::ALL.to_vec(), |axis| vec![axis.into()]);
     let mut shown = Vec::new();
-    for source in open(&arguments.logs, &[])? {
+    for source in open(&arguments.logs, &arguments.columns)? {
         match source {
             Source::Recording(_) => {
                 let table = Readable::new(source, arguments.flight, arguments.time.as_ref())?;
-                shown.extend(of_table(&table, arguments.axis.map(Axis::from))?);
+                shown.extend(of_table(&table, arguments.axis.map(Axis::from), &arguments.columns)?);
+            }
+            Source::Log(_) if !arguments.columns.is_empty() => {
+                let help = "show proposes what of a flight log is input, rate and angle; pitchid diagnose takes other columns of it";
+                return Err(Failure::new("--column is of recordings, and this is a flight log", help));
             }
             Source::Log(flights) => {
                 let flights = match arguments.flight {

@@ -193,6 +193,7 @@ pub fn verdict_of(answer: &Answer) -> &'static str {
 pub fn headline(answer: &Answer) -> String {
     let sentences: Vec<String> = answer.effects.iter().map(|e| sentence(&e.id)).collect();
     match answer.verdict {
+        Verdict::NoMismatch if answer.remainder.is_some() => "Nothing is missing that matters".into(),
         Verdict::NoMismatch => "Nothing is missing that these data would show".into(),
         Verdict::NotExcited => "These data cannot tell".into(),
         Verdict::CheckData => "The data are to be put right first".into(),

@@ -9,6 +9,10 @@ use crate::estimate::{Estimate, digits};
 /// One to three sentences with numbers and units, and what speaks against names that are not the answer.
 pub fn summary(answer: &Answer, objection: Option<Objection>) -> String {
     let mut text = match answer.verdict {
+        Verdict::NoMismatch if answer.remainder.is_some() => format!(
+            "No mismatch that matters: the model, its parameters estimated again, leaves next to nothing of the motion ({}).",
+            figures(answer, false)
+        ),
         Verdict::NoMismatch if answer.fit.predicted.is_none() || predicts(answer) => format!(
             "No mismatch: the model, its parameters estimated again, explains the data down to the noise ({}).",
             figures(answer, false)

@@ -4,7 +4,7 @@ use super::estimates::estimates;
 use super::levels::{HORIZONS_S, SEEN, SEEN_AT_ALL, SHORTEST_S, WIDEST_GAIN_INTERVAL};
 use super::materiality::vaf_ahead;
 use super::past_alone::vaf_of_the_past_alone;
-use crate::dataset::Dataset;
+use crate::dataset::{Dataset, Run};
 use crate::identify::fir::ceiling_vaf;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::Fit;
@@ -16,14 +16,21 @@ use crate::likelihood::problem::Problem;
 const EXPLAINED_BY_ANY: f64 = 40.0;
 /// Data shorter than this are told as short, s: of springs and frictions that a hundred show, three of four are missed in 3 s.
 const SHORT_S: f64 = 10.0;
+/// Between two gaps less than this tells nothing of how the motion goes on, s.
+const STRETCH_S: f64 = 1.0;
 /// Memory of that model, s.
 const FIR_MEMORY_S: f64 = 1.0;
 
-/// Length of all sections, s.
+/// Length of all sections in stretches without a gap that are long enough, s.
 fn seconds(data: &Dataset) -> f64 {
-    let lengths = data.places().into_iter().map(|place| place.rows.len() as f64 * data.runs[place.run].step);
+    let places = data.places().into_iter().filter(|place| is_stretch(&data.runs[place.run]));
+    let lengths = places.map(|place| place.rows.len() as f64 * data.runs[place.run].step);
     // the sum of nothing is −0.0, which would be told
     lengths.fold(0.0, |all, seconds| all + seconds)
+}
+
+fn is_stretch(run: &Run) -> bool {
+    run.len() as f64 * run.step >= STRETCH_S
 }
 
 /// That the data are short, where they are: what is told is told of what is strong.
@@ -40,8 +47,11 @@ pub fn is_short(data: &Dataset) -> Option<String> {
 pub fn too_little(problem: &Problem<'_>) -> Option<String> {
     let seconds = seconds(problem.data);
     if seconds < SHORTEST_S {
+        let all = problem.data.runs.iter().all(is_stretch);
+        let between = if all { "" } else { " in stretches of a second and more between the gaps" };
         return Some(format!(
-            "The data cannot tell: {seconds:.1} s of excitation are too short, at least {SHORTEST_S} s are needed (a hundred are good)."
+            "The data cannot tell: {seconds:.1} s of excitation{between} are too short, at least {SHORTEST_S} s are needed (a hundred \
+             are good)."
         ));
     }
     let still = |signal: &Option<Vec<f64>>| {
@@ -180,9 +190,10 @@ fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::data_checks::fixture::{STEP, flight, normal};
+    use super::super::data_checks::fixture::{STEP, flight, normal, read};
     use super::super::fixture::{asked, flown_by};
     use super::*;
+    use crate::model::baseline::Baseline;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
@@ -204,6 +215,30 @@ mod tests {
             None
         );
     }
+
+    #[test]
+    fn what_lies_between_gaps_counts_where_it_is_a_second_long() {
+        let text = |every: usize| {
+            let mut text = String::from("t_s,u_rad,q_rad_s\n");
+            for k in (0..600).filter(|k| k % every > 20) {
+                let u = if k / 25 % 2 == 0 { 0.01 } else { -0.01 };
+                text.push_str(&format!("{:.2},{u},{:.4}\n", STEP * k as f64, (0.1 * k as f64).sin()));
+            }
+            text
+        };
+        let said = |every: usize| {
+            let recordings = [read(&text(every))];
+            let data = Dataset::new(&recordings).unwrap();
+            too_little(&Problem::new(&data, &Baseline::new(None, &data).unwrap(), &[]))
+        };
+        assert!(
+            said(60).unwrap().contains("0.0 s of excitation in stretches of a second and more"),
+            "{:?}",
+            said(60)
+        );
+        assert_eq!(said(200), None);
+    }
+
     #[test]
     fn a_motion_that_is_its_demand_tells_nothing_of_the_vehicle() {
         let mut servo = flight(1, 0.0);

@@ -6,7 +6,7 @@ use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
 use super::levels::{ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, WORTH_A_NAME};
-use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
+use super::materiality::{closed, is_immaterial, is_slight, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
 use super::predicted::ahead;
@@ -32,7 +32,7 @@ pub struct Judgement<'p, 'd> {
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
     /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those without
-    /// which the motion is explained as well, facets of another, small ones beside a larger of their class, a moment at a
+    /// which the motion is explained as well, or to its last hundredths and no thousandth less, facets of another, small ones beside a larger of their class, a moment at a
     /// line of the input, a lag within a row of which the input is not known, what comes once and is soon over, what turns
     /// its sign with the rest left out, and all where the model neither explains the data nor predicts the motion.
     pub small: Vec<Finding>,
@@ -67,12 +67,10 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let gained_by_names = gain(selection.named);
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
         let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
-        let ahead_by = |place: usize| vaf_ahead(problem, &selection.visited[place].fit, &sections);
-        let baseline = LazyCell::new(|| ahead_by(selection.baseline));
-        let closed_by = |place: usize| match place == selection.baseline {
-            true => 0.0,
-            false => closed(*baseline, ahead_by(place)),
-        };
+        let of_place = |place: usize| vaf_ahead(problem, &selection.visited[place].fit, &sections);
+        let baseline = LazyCell::new(|| of_place(selection.baseline));
+        let ahead_by = |place: usize| if place == selection.baseline { *baseline } else { of_place(place) };
+        let closed_by = |place: usize| closed(ahead_by(selection.baseline), ahead_by(place));
         let closed = closed_by(selection.named);
         // Names that close little give way to what closes more; names that leave next to nothing do not give way to shapes that
         // hold them as their special case.
@@ -87,8 +85,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
         } else {
             selection.extended
         };
-        let Told { place, named, immaterial, shapes, rotation } = loop {
-            let told = told(problem, &selection, place, parts, &closed_by, progress);
+        let Told { place, named, immaterial, slight, shapes, rotation } = loop {
+            let told = told(problem, &selection, place, parts, &ahead_by, progress);
             match told.unfounded(problem, &selection) {
                 Some(without) => place = without,
                 None => break told,
@@ -132,7 +130,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let in_every = |finding: &Finding| chosen(finding) == rotation.parts.len();
         let is_small = |(i, finding): &(usize, Finding)| {
             let minor = is_minor(finding.share, in_every(finding), clear(finding));
-            *i > 0 && (minor || immaterial[*i]) || barred(*i, finding)
+            *i > 0 && (minor || immaterial[*i]) || slight[*i] || barred(*i, finding)
         };
         let (mut small, mut named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
         let alone = |named: &[(usize, Finding)], small: &[(usize, Finding)]| {
@@ -168,6 +166,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
             [small, named].map(|some| some.into_iter().map(|(_, f)| f).collect::<Vec<Finding>>());
         let predicted = Predicted::new(&rotation);
         let little_seen = predicted == Predicted::Little;
+        // of a motion told to its last hundredths what has neither name nor form is significant, and not material
+        let nothing_else = named.is_empty() && shapes.is_empty() && ahead(&rotation) >= CALM;
         let grounds = Grounds {
             data_first: false,
             not_excited: false,
@@ -180,6 +180,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             gained_by_names,
             gained_by_all,
             untold,
+            slight: nothing_else,
         };
         let verdict = grounds.verdict();
         // A name that neither explains the data nor predicts the motion is no finding.
@@ -220,43 +221,55 @@ struct Told {
     place: usize,
     /// Largest share first.
     named: Vec<Finding>,
-    /// Which of these are not material.
+    /// Which of these are not material beside others.
     immaterial: Vec<bool>,
+    /// Which are slight.
+    slight: Vec<bool>,
     shapes: Vec<Finding>,
     rotation: Rotation,
 }
 
-/// The terms of the model at `place`, with the share of the motion that each closes (`closed_by`), each part held out in turn.
+/// The terms of the model at `place`, with the share of the motion that each closes by the predictions of models (`ahead_by`), each
+/// part held out in turn.
 fn told(
     problem: &Problem<'_>,
     selection: &Selection,
     place: usize,
     parts: &[Part],
-    closed_by: &impl Fn(usize) -> f64,
+    ahead_by: &impl Fn(usize) -> Option<f64>,
     progress: &Progress<'_>,
 ) -> Told {
     let (named, shapes): (Vec<Finding>, Vec<Finding>) =
         selection.findings(problem, place).into_iter().partition(|finding| finding.named);
     // A sensor with little noise has nearly all of the evidence, beside what moves the vehicle more.
-    let all_closed = closed_by(place);
+    let [before, all] = [selection.baseline, place].map(ahead_by);
+    let closed_by = |place: usize| closed(before, ahead_by(place));
+    let all_closed = closed(before, all);
     let with_rest = |finding: Finding| {
-        let by_rest = finding.without.map(closed_by);
-        let share = finding.share.max(by_rest.map_or(0.0, |rest| all_closed - rest));
-        let immaterial = by_rest.is_some_and(|rest| is_immaterial(finding.effect, all_closed, rest));
+        let by_rest = finding.without.map(ahead_by);
+        let share = finding.share.max(by_rest.map_or(0.0, |rest| all_closed - closed(before, rest)));
+        let immaterial =
+            by_rest.is_some_and(|rest| is_immaterial(finding.effect, all_closed, closed(before, rest)));
+        let slight = by_rest.is_some_and(|rest| is_slight(finding.effect, all, rest));
         // A rival that holds the name as its special case and closes no more says the same.
         let (same, rivals): (Vec<_>, Vec<_>) = finding.rivals.into_iter().partition(|(rival, _, at)| {
             rival.generalises(finding.effect) && says_the_same(*rival, closed_by(*at), all_closed)
         });
         let probability =
             finding.probability + same.iter().map(|(_, probability, _)| probability).sum::<f64>();
-        (Finding { share, rivals, probability, ..finding }, immaterial)
+        (Finding { share, rivals, probability, ..finding }, [immaterial, slight])
     };
-    let mut named: Vec<(Finding, bool)> = named.into_iter().map(with_rest).collect();
+    let mut named: Vec<(Finding, [bool; 2])> = named.into_iter().map(with_rest).collect();
     named.sort_by(|(a, _), (b, _)| b.share.total_cmp(&a.share));
-    let (named, immaterial): (Vec<Finding>, Vec<bool>) = named.into_iter().unzip();
+    // shapes or other names may stand in for the largest: it is slight where all together are
+    if let Some((largest, [_, slight])) = named.first_mut() {
+        *slight &= is_slight(largest.effect, all, before);
+    }
+    let [immaterial, slight] = [0, 1].map(|which| named.iter().map(|(_, is)| is[which]).collect());
+    let named: Vec<Finding> = named.into_iter().map(|(finding, _)| finding).collect();
     let findings = [&named[..], &shapes].concat();
     let rotation = rotate(problem, selection, place, &findings, parts, progress);
-    Told { place, named, immaterial, shapes, rotation }
+    Told { place, named, immaterial, slight, shapes, rotation }
 }
 
 impl Told {

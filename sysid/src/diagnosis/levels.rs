@@ -41,7 +41,8 @@ pub const SEEN: f64 = 50.0;
 /// Share of what the past of the motion does not tell of the next 0.1 s that a model surely predicts, held out, from which on the
 /// input is seen in a loop. In gusts nothing predicts a second, be the model the vehicle itself.
 pub const THE_INPUTS_OWN: f64 = 0.5;
-/// VAF of predictions 1 s ahead, held out, per cent, from which on what the input does not cause is too little to be told as a gust.
+/// VAF of predictions 1 s ahead, held out, per cent, from which on what the input does not cause is too little to be told as a gust,
+/// and what tests find that has neither name nor form too little to be told as missing.
 pub const CALM: f64 = 98.0;
 /// VAF of predictions at the best horizon, per cent, below which nothing follows from the input: a model that predicts nothing has
 /// nothing that could be missing from it.

@@ -50,7 +50,10 @@ impl ColumnMap {
     pub fn option_to_scale(&self, factor: f64) -> String {
         let scale = self.factor * factor;
         let scale = format!("{scale:.6e}").parse::<f64>().unwrap_or(scale);
-        format!("--column '{}={}'", self.target, self.source.scaled(scale))
+        match scale {
+            1.0 => format!("--column '{}={}'", self.target, self.source),
+            scale => format!("--column '{}={}'", self.target, self.source.scaled(scale)),
+        }
     }
 }
 

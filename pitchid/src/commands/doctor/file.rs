@@ -14,7 +14,7 @@ use flight_logs::axes::Axis;
 use std::path::Path;
 use sysid::dataset::Dataset;
 use sysid::diagnosis::data_checks::{Gravity, State, of_recordings};
-use sysid::recording::{ReadOptions, Recording};
+use sysid::recording::{ColumnMap, ReadOptions, Recording};
 
 /// Names of a folder that are listed.
 const LISTED: usize = 5;
@@ -23,9 +23,9 @@ const LISTED: usize = 5;
 const SHORTEST_S: f64 = 1.0;
 
 /// Looks at one file.
-pub fn examined(path: &Path, vehicle: &Result<Option<Vehicle>, Failure>) -> Examined {
+pub fn examined(path: &Path, given: &[ColumnMap], vehicle: &Result<Option<Vehicle>, Failure>) -> Examined {
     let mut steps = Vec::new();
-    let next = examine(path, vehicle, &mut steps).unwrap_or_else(|wrong| {
+    let next = examine(path, given, vehicle, &mut steps).unwrap_or_else(|wrong| {
         steps.push(wrong);
         None
     });
@@ -35,12 +35,14 @@ pub fn examined(path: &Path, vehicle: &Result<Option<Vehicle>, Failure>) -> Exam
 /// The next command; what is wrong ends it.
 fn examine(
     path: &Path,
+    given: &[ColumnMap],
     vehicle: &Result<Option<Vehicle>, Failure>,
     steps: &mut Vec<Step>,
 ) -> Result<Option<String>, Step> {
     steps.extend(there(path)?);
     let vehicle = vehicle.as_ref().map_err(Step::of)?.as_ref();
-    let columns = vehicle.map_or(Vec::new(), |vehicle| vehicle.columns.clone());
+    let mut columns = given.to_vec();
+    columns.extend(vehicle.map_or(Vec::new(), |vehicle| vehicle.columns_beside(given)));
     let options = ReadOptions {
         sections: vehicle.map_or(Vec::new(), |vehicle| vehicle.sections.clone()),
         ..options_with(vehicle.and_then(|vehicle| vehicle.input).unwrap_or_default(), &columns)
@@ -63,7 +65,8 @@ fn examine(
             )));
             checked(&found, steps)?;
             let option = axis.map_or(String::new(), |axis| format!(" --axis {axis}"));
-            Ok(Some(format!("pitchid diagnose {}{option}", quoted(path))))
+            let columns: String = given.iter().map(|map| format!(" {}", map.option_to_scale(1.0))).collect();
+            Ok(Some(format!("pitchid diagnose {}{columns}{option}", quoted(path))))
         }
     }
 }

@@ -115,6 +115,9 @@ pub struct ShownRecording {
     pub gaps: usize,
     pub excitation: Vec<Span>,
     pub notes: Vec<String>,
+    /// Options that it was read with, as the next command takes them.
+    #[serde(skip)]
+    pub options: String,
     /// What a report draws.
     #[serde(skip)]
     pub curves: Vec<Curve>,
@@ -242,6 +245,7 @@ pub fn of_recording(recording: &Recording, axis: Option<Axis>) -> ShownRecording
         gaps: recording.t.windows(2).filter(|pair| pair[1] - pair[0] > 1.5 * recording.step).count(),
         excitation: spans(&series(&recording.u), rate.as_ref()),
         notes: recording.notes.iter().map(|note| note.text.clone()).collect(),
+        options: String::new(),
         curves: curves
             .into_iter()
             .filter_map(|(role, unit, values)| Some(Curve::new(role, unit, &series(values?))))

@@ -145,7 +145,7 @@ fn of_recording(recording: &ShownRecording) -> String {
     }
     let axis = recording.axis.as_ref().map_or(String::new(), |axis| format!(" --axis {axis}"));
     let file = input::argument(&recording.name);
-    text += &indented(&format!("next: pitchid diagnose {file}{axis}"), "  ", "    ");
+    text += &indented(&format!("next: pitchid diagnose {file}{}{axis}", recording.options), "  ", "    ");
     let rows = recording.sections.iter().map(|section| {
         let [from, to] = section.time_s;
         vec![section.label.clone(), section.rows.to_string(), fixed(from, 3), fixed(to, 3)]

@@ -76,6 +76,13 @@ fn every_case_has_its_verdict() {
 }
 
 #[test]
+fn what_is_left_of_a_motion_told_to_its_last_hundredths_is_no_mismatch() {
+    let slight = Grounds { untold: 500.0, slight: true, ..Grounds::default() };
+    assert_eq!(slight.verdict(), NoMismatch);
+    assert_eq!(Grounds { shapes: 1, ..slight }.verdict(), Unlisted);
+}
+
+#[test]
 fn what_speaks_against_a_name_is_told_the_loop_first() {
     let one = Grounds { named: 1, gained_by_names: 70.0, gained_by_all: 100.0, ..Grounds::default() };
     assert_eq!(one.objection(), Some(Objection::Partly(0.7)));
