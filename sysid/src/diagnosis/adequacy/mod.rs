@@ -2,7 +2,7 @@
 //!
 //! Where the model is right, its innovations are white noise of one size (Kailath, 1968), and unpredictable from all that
 //! was known before. Every test looks for one way in which they are not, and says with which probability chance alone
-//! goes so far; [`failing`] holds the whole family to one level. On a few seconds the noise itself is a guess ([`noise`]).
+//! goes so far; [`failing`] holds the whole family to one level. On a few seconds the noise itself is a guess.
 //!
 //! | test | what it looks for |
 //! | --- | --- |
@@ -61,7 +61,7 @@ impl Test {
 
 /// All tests of `fit`, in a fixed order; `sections` are the parts of the data between which its parameters are compared.
 /// Empty where the fit has no finite innovations or derivatives. Where one speaks of missing physics at `level`, and the data are too
-/// short for the noise to be known, every p-value is that of all noise that is as likely ([`noise`]).
+/// short for the noise to be known, every p-value is that of all noise that is as likely.
 pub fn tests(problem: &Problem<'_>, fit: &Fit, sections: &[Place], level: f64) -> Vec<Test> {
     let mut all = with_its_noise(problem, fit, sections);
     if failing(&all, level).iter().any(|test| test.of_physics) {
