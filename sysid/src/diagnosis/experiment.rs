@@ -4,11 +4,13 @@
 //! What its innovations keep, weighed with the innovations' covariance, is the expected likelihood ratio.
 
 use super::answer::NextExperiment;
+use super::posterior::is_shape;
 use crate::dataset::Run;
 use crate::estimate::digits;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::fit::weights;
 use crate::likelihood::problem::Problem;
+use crate::model::effect::Effect;
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use rand::SeedableRng;
@@ -22,6 +24,8 @@ const AMPLITUDES: [f64; 3] = [0.8, 1.0, 1.25];
 const DURATION_S: f64 = 25.0;
 /// 2 ln(likelihood ratio) that decides: odds of 400 to 1.
 const DECISIVE: f64 = 12.0;
+/// One for which the longest test is worth its while: odds of twenty to one.
+const TELLING: f64 = 6.0;
 /// Shortest and longest test that is asked for, s.
 const LENGTHS_S: [f64; 2] = [10.0, 300.0];
 const SEED: u64 = 20_140_901;
@@ -42,16 +46,20 @@ pub fn best(problem: &Problem<'_>, a: &Fit, b: &Fit) -> Option<NextExperiment> {
             }
         }
     }
-    let (ratio, dwell, amplitude) = best.filter(|(ratio, ..)| *ratio > 0.0)?;
+    let worth_a_flight = |ratio: f64| ratio * LENGTHS_S[1] / DURATION_S >= TELLING;
+    let (ratio, dwell, amplitude) = best.filter(|(ratio, ..)| worth_a_flight(*ratio))?;
     let amplitude = (amplitude * 1e4).round() / 1e4;
-    let ids = [a, b].map(|fit| fit.effects.last().map_or("baseline", |e| e.about().id).to_owned());
-    let unit = problem.data.input_unit.symbol();
+    let ids = [own_term(a, b), own_term(b, a)].map(str::to_owned);
+    let unit = match problem.data.input_unit.symbol() {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    };
     let length = (DURATION_S * DECISIVE / ratio).clamp(LENGTHS_S[0], LENGTHS_S[1]).ceil();
     let within = limit.map_or(String::new(), |limit| {
         format!(", with a supervisor that keeps the angle within the ±{} rad of these data", digits(limit))
     });
     let why = format!(
-        "{length:.0} s of PRBS with ±{amplitude} {unit} are expected to change 2 ln(likelihood ratio) of {} against {} by \
+        "{length:.0} s of PRBS with ±{amplitude}{unit} are expected to change 2 ln(likelihood ratio) of {} against {} by \
          {:.0}{within}",
         ids[0],
         ids[1],
@@ -65,6 +73,16 @@ pub fn best(problem: &Problem<'_>, a: &Fit, b: &Fit) -> Option<NextExperiment> {
         separates: ids,
         why,
     })
+}
+
+/// The last term that `fit` has and `other` lacks.
+fn own_term(fit: &Fit, other: &Fit) -> &'static str {
+    let own = |e: &&&'static dyn Effect| !e.is_background() && other.position(e.about().id).is_none();
+    match fit.effects.iter().rev().find(own) {
+        Some(&shape) if is_shape(shape) => "unlisted",
+        Some(term) => term.about().id,
+        None => "baseline",
+    }
 }
 
 /// The largest angle of the recordings: so far the supervisor lets the vehicle go.

@@ -17,6 +17,8 @@ use crate::recording::{NoteKind, Recording, WHOLE};
 
 /// Odds of finding feedback by chance in one recording.
 pub const ODDS: f64 = 1e-3;
+/// Odds below which no section is called open loop either.
+const DOUBTFUL: f64 = 0.01;
 /// Least share of what is new in the input that the innovations must explain: below it, the bias is small.
 const LEAST_SHARE: f64 = 0.005;
 /// Share of overridden samples from which the summary says so.
@@ -169,6 +171,15 @@ impl Loops {
                 "{} samples were averaged into one, and a controller that answers within them is not seen; over longer times the \
                  motion says nothing of later inputs (least p = {}){by_design}",
                 self.averaged,
+                digits(least)
+            );
+            return DataCheck::cannot_tell(FEEDBACK, words);
+        }
+        if least < DOUBTFUL / self.tests.len() as f64 {
+            let words = format!(
+                "in {} the motion may tell a little of later inputs (least p = {}), too little to be sure of it or to bias a fit\
+                 {by_design}",
+                labels.join(", "),
                 digits(least)
             );
             return DataCheck::cannot_tell(FEEDBACK, words);

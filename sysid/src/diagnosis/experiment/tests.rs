@@ -124,3 +124,17 @@ fn the_best_excitation_is_the_one_with_the_largest_ratio_for_as_long_as_that_tak
         assert!(found.why.contains("supervisor"), "{}", found.why);
     });
 }
+
+#[test]
+fn an_experiment_names_what_the_two_models_do_not_share() {
+    asked(|problem, fit, later| {
+        let [friction, lag] = ["coulomb_friction", "servo_lag"].map(|id| crate::catalogue::find(id).unwrap());
+        let with = |effects: &[&'static dyn Effect]| Fit { effects: effects.to_vec(), ..fit.clone() };
+        let [delay, both] = [later.effects[0], friction];
+        assert_eq!(own_term(&with(&[lag, both]), &with(&[delay, both])), "servo_lag");
+        assert_eq!(own_term(&with(&[both]), &with(&[both, lag])), "baseline");
+        let shape: &'static dyn Effect = crate::catalogue::shapes::SHAPES[0];
+        assert_eq!(own_term(&with(&[shape]), fit), "unlisted");
+        assert_eq!(best(problem, later, fit).unwrap().separates, ["extra_delay", "baseline"]);
+    });
+}
