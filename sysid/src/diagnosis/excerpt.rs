@@ -10,7 +10,7 @@ use super::levels::MOST_TERMS;
 use super::posterior::Selection;
 use super::search::worth_a_fit;
 use super::selection::Search;
-use crate::dataset::{Beside, Dataset, Run, pieces};
+use crate::dataset::{Beside, Dataset, Place, Run, pieces};
 use crate::likelihood::fit::{Fit, refit};
 use crate::likelihood::problem::Problem;
 use rayon::prelude::*;
@@ -20,26 +20,38 @@ use std::ops::Range;
 const ENOUGH: usize = 6_000;
 /// To search in part and to fit again costs more than to search on no more than so many.
 const FEW: usize = 10_000;
-/// Stretches in which they lie. Where no angle is measured, one: nothing says at which angle a stretch begins, and what pulls back
-/// from there would be a moment of each of them for as long as they last.
+/// Stretches in which they lie. Where no angle is measured, one, the one of most motion: nothing says at which angle a stretch begins,
+/// and what pulls back from there would be a moment of each of them for as long as they last.
 const STRETCHES: usize = 16;
 /// Models are carried over whose log posterior lies no further below the best one's, and so many at the most.
 const WITHIN: f64 = 10.0;
 const MOST_CARRIED: usize = 8;
 
-/// Stretches of equal length from all over the data, or the first as long as all of them; `None` where the data are few.
+/// Stretches of equal length from all over the data, or one as long as all of them; `None` where the data are few.
 pub fn excerpt(data: &Dataset) -> Option<Dataset> {
     let all = data.samples();
     if all <= FEW {
         return None;
     }
-    let stretches = if data.has_angle { STRETCHES } else { 1 };
-    let stretch = |k: usize| {
-        let first = k * all / stretches;
-        pieces(data.runs.iter().map(Run::len), first..first + ENOUGH / stretches)
+    let stretch = |k: usize, length: usize| {
+        let first = (k * all / STRETCHES).min(all - length);
+        let rows = pieces(data.runs.iter().map(Run::len), first..first + length);
+        rows.filter(|(_, rows)| rows.len() > 1).collect::<Vec<_>>()
     };
-    let rows = (0..stretches).flat_map(stretch).filter(|(_, rows)| rows.len() > 1);
-    let runs = rows.map(|(run, rows)| cut(&data.runs[run], rows)).collect();
+    let rows: Vec<(usize, Range<usize>)> = if data.has_angle {
+        (0..STRETCHES).flat_map(|k| stretch(k, ENOUGH / STRETCHES)).collect()
+    } else {
+        let motion = |rows: &Vec<(usize, Range<usize>)>| {
+            let place = |(run, rows): &(usize, Range<usize>)| Place {
+                label: String::new(),
+                run: *run,
+                rows: rows.clone(),
+            };
+            data.motion(&rows.iter().map(place).collect::<Vec<_>>())
+        };
+        (0..STRETCHES).map(|k| stretch(k, ENOUGH)).max_by(|a, b| motion(a).total_cmp(&motion(b)))?
+    };
+    let runs = rows.into_iter().map(|(run, rows)| cut(&data.runs[run], rows)).collect();
     Some(Dataset { runs, ..*data })
 }
 
@@ -132,6 +144,12 @@ mod tests {
             let all = Dataset { runs: vec![long.clone()], ..problem.data.clone() };
             let of_the_rate = excerpt(&Dataset { has_angle: false, ..all.clone() }).unwrap();
             assert_eq!((of_the_rate.runs.len(), of_the_rate.samples()), (1, ENOUGH));
+            let moved =
+                |k: usize| if (21_000..27_000).contains(&k) && k.is_multiple_of(2) { 1.0 } else { 0.0 };
+            let once = Run { rate: Some((0..40_000).map(moved).collect()), ..long.clone() };
+            let moving =
+                excerpt(&Dataset { has_angle: false, runs: vec![once], ..problem.data.clone() }).unwrap();
+            assert_eq!(moving.runs[0].u[0], 20_000.0, "where it moves");
             let part = excerpt(&all).unwrap();
             assert_eq!((part.runs.len(), part.samples()), (STRETCHES, ENOUGH));
             for run in &part.runs {
