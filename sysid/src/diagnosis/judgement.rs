@@ -6,7 +6,7 @@ use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
 use super::levels::{ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, WORTH_A_NAME};
-use super::materiality::{closed, is_immaterial, is_slight, says_the_same, vaf_ahead};
+use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
 use super::predicted::ahead;
@@ -32,7 +32,7 @@ pub struct Judgement<'p, 'd> {
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
     /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those without
-    /// which the motion is explained as well, or to its last hundredths and no thousandth less, facets of another, small ones beside a larger of their class, a moment at a
+    /// which the motion is explained as well, facets of another, small ones beside a larger of their class, a moment at a
     /// line of the input, a lag within a row of which the input is not known, what comes once and is soon over, what turns
     /// its sign with the rest left out, and all where the model neither explains the data nor predicts the motion.
     pub small: Vec<Finding>,
@@ -85,7 +85,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         } else {
             selection.extended
         };
-        let Told { place, named, immaterial, slight, shapes, rotation } = loop {
+        let Told { place, named, immaterial, shapes, rotation } = loop {
             let told = told(problem, &selection, place, parts, &ahead_by, progress);
             match told.unfounded(problem, &selection) {
                 Some(without) => place = without,
@@ -130,7 +130,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let in_every = |finding: &Finding| chosen(finding) == rotation.parts.len();
         let is_small = |(i, finding): &(usize, Finding)| {
             let minor = is_minor(finding.share, in_every(finding), clear(finding));
-            *i > 0 && (minor || immaterial[*i]) || slight[*i] || barred(*i, finding)
+            *i > 0 && (minor || immaterial[*i]) || barred(*i, finding)
         };
         let (mut small, mut named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
         let alone = |named: &[(usize, Finding)], small: &[(usize, Finding)]| {
@@ -221,10 +221,8 @@ struct Told {
     place: usize,
     /// Largest share first.
     named: Vec<Finding>,
-    /// Which of these are not material beside others.
+    /// Which of these are not material.
     immaterial: Vec<bool>,
-    /// Which are slight.
-    slight: Vec<bool>,
     shapes: Vec<Finding>,
     rotation: Rotation,
 }
@@ -250,26 +248,20 @@ fn told(
         let share = finding.share.max(by_rest.map_or(0.0, |rest| all_closed - closed(before, rest)));
         let immaterial =
             by_rest.is_some_and(|rest| is_immaterial(finding.effect, all_closed, closed(before, rest)));
-        let slight = by_rest.is_some_and(|rest| is_slight(finding.effect, all, rest));
         // A rival that holds the name as its special case and closes no more says the same.
         let (same, rivals): (Vec<_>, Vec<_>) = finding.rivals.into_iter().partition(|(rival, _, at)| {
             rival.generalises(finding.effect) && says_the_same(*rival, closed_by(*at), all_closed)
         });
         let probability =
             finding.probability + same.iter().map(|(_, probability, _)| probability).sum::<f64>();
-        (Finding { share, rivals, probability, ..finding }, [immaterial, slight])
+        (Finding { share, rivals, probability, ..finding }, immaterial)
     };
-    let mut named: Vec<(Finding, [bool; 2])> = named.into_iter().map(with_rest).collect();
+    let mut named: Vec<(Finding, bool)> = named.into_iter().map(with_rest).collect();
     named.sort_by(|(a, _), (b, _)| b.share.total_cmp(&a.share));
-    // shapes or other names may stand in for the largest: it is slight where all together are
-    if let Some((largest, [_, slight])) = named.first_mut() {
-        *slight &= is_slight(largest.effect, all, before);
-    }
-    let [immaterial, slight] = [0, 1].map(|which| named.iter().map(|(_, is)| is[which]).collect());
-    let named: Vec<Finding> = named.into_iter().map(|(finding, _)| finding).collect();
+    let (named, immaterial): (Vec<Finding>, Vec<bool>) = named.into_iter().unzip();
     let findings = [&named[..], &shapes].concat();
     let rotation = rotate(problem, selection, place, &findings, parts, progress);
-    Told { place, named, immaterial, slight, shapes, rotation }
+    Told { place, named, immaterial, shapes, rotation }
 }
 
 impl Told {

@@ -1,6 +1,6 @@
 //! Significant is not material: how much of the motion a model closes, and whether a name is worth telling.
 
-use super::levels::{CALM, HALVED, HELD_OUT_ERRORS, HORIZONS_S, LAST_THOUSANDTH, MATERIAL};
+use super::levels::{HALVED, HELD_OUT_ERRORS, HORIZONS_S, LAST_THOUSANDTH, MATERIAL};
 use crate::dataset::Place;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::horizon::horizon_vaf;
@@ -39,14 +39,6 @@ pub fn is_immaterial(effect: &dyn Effect, all: f64, rest: f64) -> bool {
     let moves = effect.about().locus != Locus::Sensor;
     let small = rest > 1.0 - LAST_THOUSANDTH || moves && all - rest < LAST_THOUSANDTH;
     small && 1.0 - all > HALVED * (1.0 - rest)
-}
-
-/// Whether a further name is slight: without it the motion is told to its last hundredths (VAF `rest`, per cent), and with it (VAF
-/// `all`) no thousandth more. What halves the error is material, however small that is.
-pub fn is_slight(effect: &dyn Effect, all: Option<f64>, rest: Option<f64>) -> bool {
-    let (Some(all), Some(rest)) = (all, rest) else { return false };
-    let moves = effect.about().locus != Locus::Sensor;
-    moves && rest >= CALM && all - rest < 100.0 * LAST_THOUSANDTH && 100.0 - all > HALVED * (100.0 - rest)
 }
 
 /// Whether a name that closes `all` of the motion says no more than its special case, which closes `rest`: nearly all of it, and as
@@ -95,16 +87,6 @@ mod tests {
         assert!(!is_immaterial(friction, 0.9999, 0.9995), "a fifth of the error is left");
         assert_eq!((closed(Some(90.0), Some(97.5)), closed(Some(90.0), Some(80.0))), (0.75, 0.0));
         assert_eq!((closed(None, Some(97.5)), closed(Some(100.0), Some(100.0))), (0.0, 0.0));
-    }
-
-    #[test]
-    fn a_name_is_slight_where_the_motion_is_told_without_it() {
-        let [skew, lag] = ["clock_skew", "gyro_lag"].map(|id| find(id).unwrap());
-        let slight = |effect, rest, all| is_slight(effect, Some(all), Some(rest));
-        assert!(slight(skew, 99.8, 99.85) && slight(skew, 98.0, 98.05) && slight(skew, 99.8, 99.7));
-        assert!(!slight(skew, 99.8, 99.9) && !slight(skew, 97.9, 97.95) && !slight(lag, 99.8, 99.85));
-        assert!(!slight(skew, 99.99, 99.996), "more than half of the error");
-        assert!(!is_slight(skew, None, Some(99.0)) && !is_slight(skew, Some(99.0), None));
     }
 
     #[test]
