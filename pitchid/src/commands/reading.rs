@@ -234,6 +234,11 @@ pub fn model_at(path: &Path, axis: Option<Axis>) -> Result<ModelFile, Failure> {
     Ok(read_model(path, axis.map(|axis| axis.to_string()).as_deref())?)
 }
 
+/// These columns as options of a command, each with a space before it.
+pub fn as_options(columns: &[ColumnMap]) -> String {
+    columns.iter().map(|map| format!(" {}", map.option_to_scale(1.0))).collect()
+}
+
 /// How recordings are read with these columns.
 pub fn options_with(input_hold: InputHold, columns: &[ColumnMap]) -> ReadOptions {
     ReadOptions { input_hold, columns: columns.to_vec(), ..ReadOptions::default() }

@@ -5,6 +5,7 @@ pub mod page;
 pub mod words;
 
 use crate::axes::Readable;
+use crate::commands::reading::as_options;
 use crate::failure::Failure;
 use crate::logs::{AxisName, Source, TimeSpan, choose, open};
 use crate::progress::Progress;
@@ -90,8 +91,10 @@ fn of_table(table: &Readable, axis: Option<Axis>, columns: &[ColumnMap]) -> Resu
     }
     let read = |axis| {
         let recording = table.recording(axis, &options)?;
-        let options = columns.iter().map(|map| format!(" {}", map.option_to_scale(1.0))).collect();
-        Ok(Shown::Recording(ShownRecording { options, ..of_recording(&recording, axis) }))
+        Ok(Shown::Recording(ShownRecording {
+            options: as_options(columns),
+            ..of_recording(&recording, axis)
+        }))
     };
     axes.into_iter().map(read).collect()
 }

@@ -4,7 +4,6 @@
 use super::parts::Part;
 use crate::dataset::Place;
 use crate::identify::fir::{FirOptions, Piece, ceiling_vaf, fit};
-use crate::likelihood::free_run::judged;
 use crate::likelihood::problem::Problem;
 use crate::validate::vaf::vaf;
 use rayon::prelude::*;
@@ -58,14 +57,14 @@ fn from_the_others(problem: &Problem<'_>, parts: &[Part], held: usize, memory: f
     let place = parts[held].places.iter().max_by_key(|place| place.rows.len())?;
     let run = &problem.data.runs[place.run];
     let simulated = found.fir.simulate(&run.u);
-    Some(vaf(judged(problem, place), &simulated[place.rows.clone()]))
+    Some(vaf(problem.data.judged(place), &simulated[place.rows.clone()]))
 }
 
 /// Mean over the part's places, by their lengths.
 fn of_itself(problem: &Problem<'_>, part: &Part, memory: f64) -> f64 {
     let of = |place: &Place| {
         let u = &problem.data.runs[place.run].u[place.rows.clone()];
-        ceiling_vaf(u, judged(problem, place), taps(problem, place, memory)).unwrap_or(0.0)
+        ceiling_vaf(u, problem.data.judged(place), taps(problem, place, memory)).unwrap_or(0.0)
     };
     let rows: usize = part.places.iter().map(|place| place.rows.len()).sum();
     let sum: f64 = part.places.iter().map(|place| place.rows.len() as f64 * of(place)).sum();

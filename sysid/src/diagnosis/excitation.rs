@@ -8,7 +8,6 @@ use crate::dataset::{Dataset, Run};
 use crate::identify::fir::ceiling_vaf;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::Fit;
-use crate::likelihood::free_run::judged;
 use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 
@@ -78,7 +77,7 @@ pub fn input_unseen(problem: &Problem<'_>, baseline: &Fit, information: &Informa
     let reached = places.iter().filter_map(|place| {
         let run = &problem.data.runs[place.run];
         let taps = ((FIR_MEMORY_S / run.step) as usize).min(place.rows.len() / 10).clamp(1, 60);
-        ceiling_vaf(&run.u[place.rows.clone()], judged(problem, place), taps).ok()
+        ceiling_vaf(&run.u[place.rows.clone()], problem.data.judged(place), taps).ok()
     });
     if reached.fold(0.0, f64::max) > EXPLAINED_BY_ANY {
         return None;
@@ -120,7 +119,8 @@ pub fn nothing_follows(most: f64) -> Option<String> {
 }
 
 /// Why the data are too weak for any model: the motion is the input itself, in the same row or the one before, and no model predicts it
-/// as well at any horizon ([`most_ahead`]). The input is then what an inner loop is told, which is quicker than the rows, or it is made of the motion.
+/// as well at any horizon ([`most_ahead`]). The input is then what an inner loop is told, which is quicker than the rows, or it is
+/// made of the motion.
 pub fn is_the_input(problem: &Problem<'_>, most: f64) -> Option<String> {
     let (alike, vaf) = most_alike(problem)?;
     (most < vaf).then(|| {
@@ -154,7 +154,7 @@ fn most_alike(problem: &Problem<'_>) -> Option<(&'static str, f64)> {
         let places = problem.data.places();
         let pairs = places.iter().flat_map(|place| {
             let u = &problem.data.runs[place.run].u[place.rows.clone()];
-            judged(problem, place).iter().enumerate().map(move |(k, y)| [of(u, k), *y])
+            problem.data.judged(place).iter().enumerate().map(move |(k, y)| [of(u, k), *y])
         });
         (name, 100.0 * correlation(&pairs.collect::<Vec<[f64; 2]>>()).powi(2))
     });

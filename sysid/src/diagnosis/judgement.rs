@@ -67,10 +67,12 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let gained_by_names = gain(selection.named);
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
         let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
-        let of_place = |place: usize| vaf_ahead(problem, &selection.visited[place].fit, &sections);
-        let baseline = LazyCell::new(|| of_place(selection.baseline));
-        let ahead_by = |place: usize| if place == selection.baseline { *baseline } else { of_place(place) };
-        let closed_by = |place: usize| closed(ahead_by(selection.baseline), ahead_by(place));
+        let ahead_by = |place: usize| vaf_ahead(problem, &selection.visited[place].fit, &sections);
+        let baseline = LazyCell::new(|| ahead_by(selection.baseline));
+        let closed_by = |place: usize| match place == selection.baseline {
+            true => 0.0,
+            false => closed(*baseline, ahead_by(place)),
+        };
         let closed = closed_by(selection.named);
         // Names that close little give way to what closes more; names that leave next to nothing do not give way to shapes that
         // hold them as their special case.
@@ -86,7 +88,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             selection.extended
         };
         let Told { place, named, immaterial, shapes, rotation } = loop {
-            let told = told(problem, &selection, place, parts, &ahead_by, progress);
+            let told = told(problem, &selection, place, parts, &closed_by, progress);
             match told.unfounded(problem, &selection) {
                 Some(without) => place = without,
                 None => break told,
@@ -167,7 +169,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let predicted = Predicted::new(&rotation);
         let little_seen = predicted == Predicted::Little;
         // of a motion told to its last hundredths what has neither name nor form is significant, and not material
-        let nothing_else = named.is_empty() && shapes.is_empty() && ahead(&rotation) >= CALM;
+        let slight = named.is_empty() && shapes.is_empty() && ahead(&rotation) >= CALM;
         let grounds = Grounds {
             data_first: false,
             not_excited: false,
@@ -180,7 +182,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             gained_by_names,
             gained_by_all,
             untold,
-            slight: nothing_else,
+            slight,
         };
         let verdict = grounds.verdict();
         // A name that neither explains the data nor predicts the motion is no finding.
@@ -227,27 +229,23 @@ struct Told {
     rotation: Rotation,
 }
 
-/// The terms of the model at `place`, with the share of the motion that each closes by the predictions of models (`ahead_by`), each
-/// part held out in turn.
+/// The terms of the model at `place`, with the share of the motion that each closes (`closed_by`), each part held out in turn.
 fn told(
     problem: &Problem<'_>,
     selection: &Selection,
     place: usize,
     parts: &[Part],
-    ahead_by: &impl Fn(usize) -> Option<f64>,
+    closed_by: &impl Fn(usize) -> f64,
     progress: &Progress<'_>,
 ) -> Told {
     let (named, shapes): (Vec<Finding>, Vec<Finding>) =
         selection.findings(problem, place).into_iter().partition(|finding| finding.named);
     // A sensor with little noise has nearly all of the evidence, beside what moves the vehicle more.
-    let [before, all] = [selection.baseline, place].map(ahead_by);
-    let closed_by = |place: usize| closed(before, ahead_by(place));
-    let all_closed = closed(before, all);
+    let all_closed = closed_by(place);
     let with_rest = |finding: Finding| {
-        let by_rest = finding.without.map(ahead_by);
-        let share = finding.share.max(by_rest.map_or(0.0, |rest| all_closed - closed(before, rest)));
-        let immaterial =
-            by_rest.is_some_and(|rest| is_immaterial(finding.effect, all_closed, closed(before, rest)));
+        let by_rest = finding.without.map(closed_by);
+        let share = finding.share.max(by_rest.map_or(0.0, |rest| all_closed - rest));
+        let immaterial = by_rest.is_some_and(|rest| is_immaterial(finding.effect, all_closed, rest));
         // A rival that holds the name as its special case and closes no more says the same.
         let (same, rivals): (Vec<_>, Vec<_>) = finding.rivals.into_iter().partition(|(rival, _, at)| {
             rival.generalises(finding.effect) && says_the_same(*rival, closed_by(*at), all_closed)

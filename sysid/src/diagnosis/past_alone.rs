@@ -9,7 +9,6 @@
 //! Econometrica 37, 1969).
 
 use crate::dataset::Place;
-use crate::likelihood::free_run::judged;
 use crate::likelihood::problem::Problem;
 use crate::optim::least_squares::least_squares;
 use nalgebra::DVector;
@@ -51,7 +50,7 @@ fn pairs<'d>(
     let rows = |seconds: f64| (seconds / run.step).round().max(1.0) as usize;
     let (ahead, apart, stride) = (rows(horizon), rows(APART_S), rows(STRIDE_S));
     let lags: Vec<usize> = (0..=NEAR_LAGS).chain((1..=FAR_LAGS).map(|i| i * apart)).collect();
-    let y = judged(problem, place);
+    let y = problem.data.judged(place);
     let other = run.rate.as_ref().and(run.angle.as_ref()).map(|angle| &angle[place.rows.clone()]);
     let first = NEAR_LAGS.max(FAR_LAGS * apart);
     (first..y.len().saturating_sub(ahead)).step_by(stride).map(move |k| {

@@ -153,7 +153,7 @@ mod tests {
             let unpacked = problem.unpack(&baseline.effects, &baseline.minimum.values);
             let places = problem.data.places();
             let free = crate::likelihood::free_run::free_run(problem, &unpacked, &places).unwrap();
-            let measured = crate::likelihood::free_run::judged(problem, &places[0]);
+            let measured = problem.data.judged(&places[0]);
             let left: Vec<f64> = measured.iter().zip(&free[0]).map(|(m, s)| m - s).collect();
             let found = density(&[left], 0.02);
             let omegas: Vec<f64> = found.iter().map(|[omega, _]| *omega).collect();

@@ -2,7 +2,7 @@
 
 use super::rotation::{HeldOut, Rotation};
 use crate::dataset::Place;
-use crate::likelihood::free_run::{judged, judged_channel, simulate, starting_points};
+use crate::likelihood::free_run::{judged_channel, simulate, starting_points};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
 use crate::model::pitch::Output;
@@ -64,7 +64,7 @@ pub fn traces(problem: &Problem<'_>, baseline: &[&'static dyn Effect], rotation:
                     recording: run.recording,
                     t: place.rows.clone().map(|k| run.time(k)).collect(),
                     input: run.u[place.rows.clone()].to_vec(),
-                    measured: judged(problem, place).to_vec(),
+                    measured: problem.data.judged(place).to_vec(),
                     angle: measured_angle.map(|angle| Angle {
                         measured: angle[place.rows.clone()].to_vec(),
                         baseline: angles(&baseline),

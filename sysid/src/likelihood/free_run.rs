@@ -39,11 +39,6 @@ pub fn simulate(
     Some(simulated)
 }
 
-/// [`Dataset::judged`](crate::dataset::Dataset::judged) of the problem's data.
-pub fn judged<'d>(problem: &'d Problem<'_>, place: &Place) -> &'d [f64] {
-    problem.data.judged(place)
-}
-
 /// The same channel of a simulation.
 pub fn judged_channel(problem: &Problem<'_>, simulated: &[Output]) -> Vec<f64> {
     let channel = usize::from(!problem.data.has_rate);
@@ -60,7 +55,7 @@ pub fn free_run(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) ->
 /// Free-run VAF of each of `places`, per cent; zero where the simulation diverges.
 pub fn vaf_by_place(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) -> Vec<f64> {
     let Some(simulated) = free_run(problem, unpacked, places) else { return vec![0.0; places.len()] };
-    places.iter().zip(&simulated).map(|(place, s)| vaf(judged(problem, place), s)).collect()
+    places.iter().zip(&simulated).map(|(place, s)| vaf(problem.data.judged(place), s)).collect()
 }
 
 /// Free-run VAF over `places` together, errors and signals each about its mean in a place, per cent; zero where the
@@ -69,7 +64,7 @@ pub fn vaf_over(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) ->
     let Some(simulated) = free_run(problem, unpacked, places) else { return 0.0 };
     let mut left = 0.0;
     for (place, s) in places.iter().zip(&simulated) {
-        let y = judged(problem, place);
+        let y = problem.data.judged(place);
         let errors: Vec<f64> = y.iter().zip(s).map(|(y, s)| y - s).collect();
         left += y.len() as f64 * variance(&errors);
     }
@@ -101,7 +96,7 @@ pub fn output_errors<'p>(
         let simulated = simulate(problem, &unpacked, places, points)?;
         let mut errors = Vec::new();
         for (place, s) in places.iter().zip(&simulated) {
-            let measured = judged(problem, place);
+            let measured = problem.data.judged(place);
             let channel = judged_channel(problem, s);
             let mean =
                 measured.iter().zip(&channel).map(|(y, s)| y - s).sum::<f64>() / channel.len().max(1) as f64;

@@ -8,7 +8,7 @@
 //! vehicle; a prediction over a short horizon does neither.
 
 use super::evidence::BLOCK_S;
-use super::free_run::{judged, judged_channel};
+use super::free_run::judged_channel;
 use super::problem::{Problem, Unpacked};
 use crate::dataset::Place;
 use crate::model::pitch::Point;
@@ -80,7 +80,7 @@ fn sums_by_block(
             model = Some((run.step, problem.model(unpacked, run.step)?));
         }
         let (_, model) = model.as_ref()?;
-        let measured = judged(problem, &places[place]);
+        let measured = problem.data.judged(&places[place]);
         let block = place << 32 | (start as f64 * run.step / BLOCK_S) as usize;
         let mut row = start;
         for (horizon, sums) in horizons.iter().zip(&mut sums) {
@@ -110,7 +110,7 @@ fn sums_by_block(
 }
 
 fn mean_of(problem: &Problem<'_>, places: &[Place]) -> f64 {
-    let all = || places.iter().flat_map(|place| judged(problem, place));
+    let all = || places.iter().flat_map(|place| problem.data.judged(place));
     all().sum::<f64>() / all().count().max(1) as f64
 }
 

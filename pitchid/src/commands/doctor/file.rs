@@ -2,7 +2,7 @@
 
 use super::{Examined, Step};
 use crate::axes::{AxisChoice, Readable};
-use crate::commands::reading::options_with;
+use crate::commands::reading::{as_options, options_with};
 use crate::commands::show::content::{ShownAxis, of_flight, of_recording};
 use crate::failure::Failure;
 use crate::format::plural;
@@ -65,8 +65,7 @@ fn examine(
             )));
             checked(&found, steps)?;
             let option = axis.map_or(String::new(), |axis| format!(" --axis {axis}"));
-            let columns: String = given.iter().map(|map| format!(" {}", map.option_to_scale(1.0))).collect();
-            Ok(Some(format!("pitchid diagnose {}{columns}{option}", quoted(path))))
+            Ok(Some(format!("pitchid diagnose {}{}{option}", quoted(path), as_options(given))))
         }
     }
 }

@@ -44,7 +44,7 @@ fn places_together_are_weighed_by_their_length_and_variance() {
         let places = [place(100..400), place(900..2000)];
         let apart = vaf_by_place(problem, &unpacked, &places);
         assert!(apart.iter().all(|vaf| (1.0..99.9).contains(vaf)) && apart[0] != apart[1], "{apart:?}");
-        let weight = |p: &Place| p.rows.len() as f64 * variance(judged(problem, p));
+        let weight = |p: &Place| p.rows.len() as f64 * variance(problem.data.judged(p));
         let weights = [weight(&places[0]), weight(&places[1])];
         let mean = (weights[0] * apart[0] + weights[1] * apart[1]) / (weights[0] + weights[1]);
         assert!((vaf_over(problem, &unpacked, &places) - mean).abs() < 1e-9);
