@@ -18,6 +18,14 @@ pub enum Language {
 }
 
 impl Language {
+    /// What a line of comment begins with.
+    pub fn comment(self) -> &'static str {
+        match self {
+            Self::Matlab => "% ",
+            Self::Python => "# ",
+        }
+    }
+
     /// By the end of the file's name.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         match path.extension().and_then(|end| end.to_str()) {
@@ -116,7 +124,7 @@ fn matlab(linear: &Linear, model: &ModelFile, input_unit: &str) -> String {
         "{head}A = {a};\nB = {b};\nC = {c};\nD = [0; 0];\ndelay_s = {delay:?};\n\
          sys = ss(A, B, C, D, 'InputDelay', delay_s, ...\n    'StateName', {states}, ...\n    'InputName', {{'u'}}, 'InputUnit', {{'{input_unit}'}}, ...\n    \
          'OutputName', {{'q', 'theta'}}, 'OutputUnit', {{'rad/s', 'rad'}}, 'TimeUnit', 'seconds');\n",
-        head = head(model, "% "),
+        head = head(model, Language::Matlab.comment()),
         a = rows(&linear.a),
         b = rows(&linear.b),
         c = rows(&linear.c),
@@ -140,7 +148,7 @@ fn python(linear: &Linear, model: &ModelFile, input_unit: &str) -> String {
          def control_system(order=4):\n    \"\"\"python-control, the delay as a Pade approximation of this order.\"\"\"\n    import control\n\n    \
          plant = control.ss(A, B, C, D, states=states, inputs=inputs, outputs=outputs)\n    if delay_s == 0:\n        return plant\n    \
          return plant * control.ss(control.tf(*control.pade(delay_s, order)))\n",
-        head = head(model, "# "),
+        head = head(model, Language::Python.comment()),
         a = rows(&linear.a),
         b = rows(&linear.b),
         c = rows(&linear.c),

@@ -187,7 +187,7 @@ fn location(content: &Content) -> String {
 
 /// An identification.
 pub fn identification(found: &Identification) -> String {
-    let mut text = methods(found);
+    let mut text = cautions(&found.cautions) + &methods(found);
     text.push_str(&heading("Parameters of the grey box: the free run's errors taken as white, intervals corrected where they are not"));
     text.push_str(&estimates(&found.parameters));
     if !found.parameters_coloured.is_empty() && found.parameters_coloured != found.parameters {
@@ -280,6 +280,15 @@ pub fn estimates(list: &[Estimate]) -> String {
         vec![name, plant_meaning(&estimate.name).into(), unit, shown.value, shown.interval]
     });
     table(&["parameter", "", "unit", "value", "95 % interval"], rows, 3)
+}
+
+/// What speaks against the grey box, first of all.
+fn cautions(cautions: &[String]) -> String {
+    if cautions.is_empty() {
+        return String::new();
+    }
+    let lines: Vec<String> = cautions.iter().map(|caution| indented(caution, "  - ", "    ")).collect();
+    format!("NOT THE PLANT'S VALUES YET\n{}\n", lines.concat())
 }
 
 fn notes(notes: &[String]) -> String {

@@ -279,6 +279,8 @@ class Identification(Answer):
         The grey box.
     state_spaces : dict of str to StateSpace
         Sampled models of the methods that find one.
+    cautions : list of str
+        What speaks against a controller that rests on the grey box's values; empty where nothing does.
     """
 
     schema: str
@@ -294,6 +296,7 @@ class Identification(Answer):
     response: list[dict[str, Any]] = field(repr=False)
     training: list[str]
     held_out: list[str]
+    cautions: list[str]
     notes: list[str]
 
     @property

@@ -109,6 +109,8 @@ pub struct Dataset {
     pub has_angle: bool,
     /// Number of logged samples that were averaged into one.
     pub thinned: usize,
+    /// Whether the logged input has two values and no third: every curve of it is then a gain and a constant.
+    pub two_levels: bool,
 }
 
 /// Autocorrelation below which samples count as other ones.
@@ -232,7 +234,8 @@ impl Dataset {
                 });
             }
         }
-        Ok(Self { runs, input_unit: first.u_unit, has_rate, has_angle, thinned: 1 })
+        let two_levels = has_two_levels(runs.iter().flat_map(|run| &run.u));
+        Ok(Self { runs, input_unit: first.u_unit, has_rate, has_angle, thinned: 1, two_levels })
     }
 
     /// What was noticed about the recordings, and what was done to them here.
@@ -245,6 +248,10 @@ impl Dataset {
                 "{} samples were averaged into one: the motion is slow against the sampling, and {rate:.0} Hz show it",
                 self.thinned
             ));
+        }
+        if self.two_levels {
+            let note = "the input has two values: a limit, a dead band, play or a curve of its effect cannot be told from its gain; a third value would show them";
+            notes.push(note.into());
         }
         notes
     }
@@ -431,6 +438,12 @@ fn rows_at_rest(signal: &[f64]) -> usize {
     signal.iter().filter(|x| **x == value).count()
 }
 
+fn has_two_levels<'a>(mut input: impl Iterator<Item = &'a f64>) -> bool {
+    let Some(first) = input.next() else { return false };
+    let Some(second) = input.find(|u| *u != first) else { return false };
+    input.all(|u| u == first || u == second)
+}
+
 /// The largest magnitude of a signal where several samples have exactly that, infinite where they do not.
 fn rate_limit(signal: &[f64]) -> f64 {
     const RECURS: usize = 5;
@@ -501,4 +514,18 @@ fn sections_within(
         }
     }
     sections
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_input_of_two_levels_has_no_third() {
+        for (input, two) in
+            [(&[][..], false), (&[1.0; 4], false), (&[1.0, 0.0, 0.0, 1.0], true), (&[0.0, 1.0, 2.0], false)]
+        {
+            assert_eq!(has_two_levels(input.iter()), two, "{input:?}");
+        }
+    }
 }

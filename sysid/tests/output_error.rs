@@ -346,5 +346,5 @@ fn data_that_do_not_determine_the_plant_give_no_plant() {
     let found = identify(&[recording], None, &|_| ()).unwrap();
     assert_eq!(found.model.plant.dm_du, None);
     assert!(found.model.intervals.is_empty() && found.model.plant.inertia_kg_m2 == 1.0);
-    assert!(found.notes[0].starts_with("these data do not determine the plant"), "{:?}", found.notes);
+    assert!(found.cautions[0].starts_with("these data do not determine the plant"), "{:?}", found.cautions);
 }

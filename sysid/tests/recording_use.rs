@@ -168,6 +168,28 @@ fn a_varying_step_is_resampled_onto_the_truth() {
 }
 
 #[test]
+fn rows_that_were_stamped_in_bursts_are_as_many_as_were_logged() {
+    let times = uniform(500);
+    // pairs of rows 8 ms apart, 32 ms from pair to pair
+    let paired: Vec<f64> = times.iter().zip(0..).map(|(t, k)| t - f64::from(k % 2) * 0.012).collect();
+    let even = motion(&times, 1.0, 1.0);
+    let rows = even.lines().skip(1).zip(&paired).map(|(row, stamp)| {
+        let (_, values) = row.split_once(',').unwrap();
+        format!("{stamp},{values}\n")
+    });
+    let stamped = good(&format!("t_s,u_rad,q_rad_s,theta_rad\n{}", rows.collect::<String>()));
+    assert_eq!((stamped.len(), notes(&stamped, NoteKind::Filled).len()), (500, 0));
+    assert!((stamped.step - 0.02).abs() < 1e-6, "{}", stamped.step);
+    assert!(notes(&stamped, NoteKind::Snapped)[0].contains("by their count the motion is smoother"));
+    // what was read in pairs keeps its times
+    let read = good(&motion(&paired, 1.0, 1.0));
+    assert!((read.step - 0.02).abs() < 1e-6 && notes(&read, NoteKind::Filled).is_empty());
+    for (t, q) in read.t.iter().zip(read.q.as_ref().unwrap()) {
+        assert!((q - (3.0 * t).sin()).abs() < 1.3e-3, "{t} {q}");
+    }
+}
+
+#[test]
 fn units_and_signs_are_told_and_the_offered_option_repairs_them() {
     let times = uniform(400);
     let cases = [

@@ -105,11 +105,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         output::write(path, &chart.file(900))?;
     }
     if let Some(path) = &arguments.out_model {
-        output::write(path, &found.model.to_toml()?)?;
+        output::write(path, &(cautions(&found, "# ") + &found.model.to_toml()?))?;
     }
     if let Some((path, language)) = arguments.export.as_deref().zip(language) {
         let unit = recordings.first().map_or("", |recording| recording.u_unit.symbol());
-        output::write(path, &export::script(&found.model, unit, language)?)?;
+        let script = export::script(&found.model, unit, language)?;
+        output::write(path, &(cautions(&found, language.comment()) + &script))?;
     }
     if let Some(path) = &arguments.monitor_out {
         let made = design(&recordings, model)?;
@@ -131,6 +132,11 @@ pub fn json(found: &Identification) -> Result<String, Failure> {
         found: &'a Identification,
     }
     output::json(&Answer { schema: "pitchid.identification/1", found })
+}
+
+/// What speaks against the model, as lines of comment above it.
+fn cautions(found: &Identification, comment: &str) -> String {
+    found.cautions.iter().map(|caution| text::indented(caution, comment, comment)).collect()
 }
 
 /// What the monitor is, in words.

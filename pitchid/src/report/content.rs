@@ -338,8 +338,9 @@ pub fn probability(p: f64) -> String {
 fn parameter_rows(answer: &Answer, model: Option<&ModelFile>) -> Vec<ParameterRow> {
     let (before, after) = (&answer.fit.baseline.parameters, &answer.fit.extended.parameters);
     let row = |estimate: &Estimate, baseline: Option<&Estimate>, extended: Option<&Estimate>| {
-        let effect = answer.effects.iter().find(|e| e.parameters.contains(estimate));
-        let of_effect = effect.map_or("", |e| e.id.as_str());
+        let found = answer.effects.iter().map(|e| (&e.id, &e.parameters));
+        let known = answer.in_model.iter().map(|e| (&e.id, &e.parameters));
+        let of_effect = found.chain(known).find(|(_, own)| own.contains(estimate)).map_or("", |(id, _)| id);
         let of_plant = plant_meaning(&estimate.name);
         ParameterRow {
             name: estimate.name.clone(),

@@ -37,6 +37,10 @@ pub fn page(found: &Identification, recordings: &[Recording], repeat: &Repeat) -
             h1 { (super::content::capitalised(&headline)) }
             p { "Fitted on " (found.training.join(", ")) "; held out " (found.held_out.join(", ")) "." }
         }
+        @if !found.cautions.is_empty() {
+            h2 { "Not the plant's values yet" }
+            ul { @for caution in &found.cautions { li { (caution) } } }
+        }
         (methods(found))
         @if let Some(chart) = responses(found, recordings) {
             h2 { "Response to the input over frequency" }

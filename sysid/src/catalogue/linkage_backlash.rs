@@ -1,6 +1,7 @@
 //! Free play in the pitch linkage.
 
-use crate::dataset::Amplitudes;
+use crate::dataset::{Amplitudes, Dataset};
+use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
 
 /// Play operator of half-width b.
@@ -31,6 +32,9 @@ impl Effect for LinkageBacklash {
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         [0.1, 0.35].map(|share| vec![share * data.u]).to_vec()
+    }
+    fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
+        !data.two_levels
     }
     fn states(&self) -> usize {
         1

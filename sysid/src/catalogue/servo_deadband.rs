@@ -1,6 +1,7 @@
 //! Small commands do nothing.
 
-use crate::dataset::Amplitudes;
+use crate::dataset::{Amplitudes, Dataset};
+use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// u_a = 0 for |u_c| < b, else u_c − b sign u_c.
@@ -34,6 +35,9 @@ impl Effect for ServoDeadband {
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         [0.1, 0.35].map(|share| vec![share * data.u]).to_vec()
+    }
+    fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
+        !data.two_levels
     }
     fn actuate(&self, p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
         u - u.clamp(-p[0], p[0])

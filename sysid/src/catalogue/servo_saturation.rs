@@ -1,6 +1,7 @@
 //! The range of the collective is exhausted.
 
-use crate::dataset::Amplitudes;
+use crate::dataset::{Amplitudes, Dataset};
+use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// |u_a| ≤ u_max.
@@ -31,6 +32,9 @@ impl Effect for ServoSaturation {
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         [0.6, 0.85, 1.1, 1.5].map(|share| vec![share * data.u]).to_vec()
+    }
+    fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
+        !data.two_levels
     }
     fn actuate(&self, p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
         u.clamp(-p[0], p[0])

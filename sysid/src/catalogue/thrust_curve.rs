@@ -1,6 +1,7 @@
 //! Thrust is not linear in the collective.
 
-use crate::dataset::Amplitudes;
+use crate::dataset::{Amplitudes, Dataset};
+use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M = ∂M/∂u u_a (1 + κ|u_a|).
@@ -31,6 +32,9 @@ impl Effect for ThrustCurve {
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         [-0.1, -0.4, 0.3].map(|share| vec![share / data.u]).to_vec()
+    }
+    fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
+        !data.two_levels
     }
     fn of_thrust(&self) -> bool {
         true

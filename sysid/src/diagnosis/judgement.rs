@@ -6,7 +6,7 @@ use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
 use super::levels::{ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, WORTH_A_NAME};
-use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
+use super::materiality::{self, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
 use super::predicted::ahead;
@@ -71,7 +71,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let baseline = LazyCell::new(|| ahead_by(selection.baseline));
         let closed_by = |place: usize| match place == selection.baseline {
             true => 0.0,
-            false => closed(*baseline, ahead_by(place)),
+            false => materiality::closed(*baseline, ahead_by(place)),
         };
         let closed = closed_by(selection.named);
         // Names that close little give way to what closes more; names that leave next to nothing do not give way to shapes that
@@ -170,6 +170,19 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let little_seen = predicted == Predicted::Little;
         // of a motion told to its last hundredths what has neither name nor form is significant, and not material
         let slight = named.is_empty() && shapes.is_empty() && ahead(&rotation) >= CALM;
+        // the names that are told answer for themselves, without what is told as left
+        let (closed, gained_by_names) = match &names_alone {
+            Some(alone) => {
+                let criterion = |place: usize| selection.visited[place].fit.criterion();
+                let [before, all] = [selection.baseline, selection.named].map(criterion);
+                let share = (before - alone.criterion()) / (before - all).max(f64::MIN_POSITIVE);
+                (
+                    materiality::closed(*baseline, vaf_ahead(problem, alone, &sections)),
+                    gained_by_names * share.clamp(0.0, 1.0),
+                )
+            }
+            None => (closed, gained_by_names),
+        };
         let grounds = Grounds {
             data_first: false,
             not_excited: false,

@@ -1,8 +1,8 @@
 //! The clock of a recording: duplicates, order, step, gaps, and the uniform grid.
 //!
 //! Step T: median m of the differences d of the time stamps, then T = Σd / Σround(d/m) over the differences that
-//! are no gap, so that stamps written with few digits do not drift against the grid. With K the count of steps from
-//! the start of a segment, the stamps lie at t_0 + K T + e; the stamps are snapped where |e| ≤ `SNAP`·T, and where the
+//! are no gap, so that stamps written with few digits do not drift against the grid; of rows that come in bursts the
+//! median of the means of eight differences. With K the count of steps from the start of a segment, the stamps lie at t_0 + K T + e; the stamps are snapped where |e| ≤ `SNAP`·T, and where the
 //! [rows are even](super::even_rows) though the stamps are not.
 
 use std::ops::Range;
@@ -17,6 +17,8 @@ use crate::error::{Error, ErrorKind};
 const GAP: f64 = 3.5;
 /// A difference beyond this many steps has a row missing in it.
 const MISSING: f64 = 1.5;
+/// Rows over which bursts of stamps even out.
+const BURSTS: usize = 8;
 /// Jitter, in steps, that is snapped to the grid; more is resampled.
 const SNAP: f64 = 0.05;
 /// Jitter, in steps, that is the rounding of the numbers and not worth a word.
@@ -56,7 +58,7 @@ pub(super) fn onto_grid(
     if table.t.len() < needed {
         return Err(too_short(table.t.len(), 0.0).expecting(expected));
     }
-    let median = median_step(&table.t);
+    let (median, in_bursts) = usual_step(&table.t);
     check_step(table, median)?;
     let stretches = split_at_gaps(&table.t, median);
     let longest = stretches.iter().map(ExactSizeIterator::len).max().unwrap_or(0);
@@ -67,7 +69,7 @@ pub(super) fn onto_grid(
             ..error
         });
     }
-    let step = refine_step(&table.t, median);
+    let step = if in_bursts { median } else { refine_step(&table.t, median) };
     note_gaps(table, &stretches, step, notes);
     let jitter = stretches.iter().map(|rows| jitter(&table.t[rows.clone()], step)).fold(0.0, f64::max);
     let even = if jitter > SNAP { even_rows(table, &stretches, median) } else { None };
@@ -137,8 +139,17 @@ fn bad_order(table: &Table, row: usize) -> Error {
     Error { line: table.lines.get(row).map(|&line| line as usize), ..error }
 }
 
-fn median_step(t: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+/// The median of the differences, or, of rows that come in bursts, that of the means of [`BURSTS`] of them; and whether they do.
+fn usual_step(t: &[f64]) -> (f64, bool) {
+    let single = median_step(t, 1);
+    let of_many = median_step(t, BURSTS.min(t.len() - 1));
+    let in_bursts = of_many > MISSING * single;
+    (if in_bursts { of_many } else { single }, in_bursts)
+}
+
+/// Median of the mean differences of `rows` rows in turn.
+fn median_step(t: &[f64], rows: usize) -> f64 {
+    let mut steps: Vec<f64> = t.windows(rows + 1).map(|few| (few[rows] - few[0]) / rows as f64).collect();
     let middle = steps.len() / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }

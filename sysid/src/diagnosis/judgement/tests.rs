@@ -96,6 +96,14 @@ fn names_are_fitted_again_without_what_is_left_where_something_is() {
         assert_eq!(alone.ids(), ["gravity_stiffness"]);
         let named = judgement.selection.visited.iter().find(|v| v.fit.ids() == alone.ids()).unwrap();
         assert!((alone.criterion() - named.fit.criterion()).abs() < 0.5, "{}", alone.criterion());
+        // and answer for themselves
+        let sections: Vec<_> = judgement.parts.iter().flat_map(|part| part.places.clone()).collect();
+        let ahead = |fit: &Fit| vaf_ahead(judgement.problem, fit, &sections);
+        let by_hand = materiality::closed(ahead(judgement.baseline()), ahead(alone));
+        let closed = judgement.grounds.closed;
+        assert!((closed - by_hand).abs() < 1e-9 && by_hand > 0.0, "{closed} {by_hand}");
+        let [by_names, all] = [judgement.grounds.gained_by_names, judgement.grounds.gained_by_all];
+        assert!(by_names > 0.5 * all && by_names < 0.99 * all, "{by_names} of {all}");
     });
     let flown = flight_with(1, |_, q, theta| -4.0 * theta.sin() - 0.6 * q * q.abs());
     judged(&flown, |judgement| assert!(judgement.names_alone.is_none() && judgement.small.is_empty()));
@@ -182,7 +190,7 @@ fn a_names_share_is_that_of_the_motion_where_it_is_more_than_that_of_the_evidenc
         let sections: Vec<_> = judgement.parts.iter().flat_map(|part| part.places.clone()).collect();
         let ahead =
             |place: usize| vaf_ahead(judgement.problem, &judgement.selection.visited[place].fit, &sections);
-        let [_, stiff, drag, all] = [0, 1, 2, 3].map(|place| closed(ahead(0), ahead(place)));
+        let [_, stiff, drag, all] = [0, 1, 2, 3].map(|place| materiality::closed(ahead(0), ahead(place)));
         for (id, by_hand) in [("gravity_stiffness", all - drag), ("quadratic_drag", all - stiff)] {
             let found = judgement.named.iter().chain(&judgement.small).find(|f| f.effect.about().id == id);
             let share = found.unwrap().share;

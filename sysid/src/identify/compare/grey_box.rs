@@ -1,10 +1,11 @@
 //! Lines of the grey box by maximum likelihood.
 
+use super::cautions::{delay_on_bound, undetermined};
 use super::judging::Work;
 use super::{MethodResult, with_input_unit};
 use crate::catalogue::model_file::model_file;
 use crate::error::{Error, ErrorKind};
-use crate::estimate::{Estimate, NORMAL_95, digits};
+use crate::estimate::Estimate;
 use crate::identify::hinf_match::MountRange;
 use crate::identify::linear_model::LinearModel;
 use crate::identify::output_error::delay_profile::{DelayProfile, delay_profile};
@@ -26,9 +27,6 @@ use std::collections::BTreeMap;
 const MOUNT_MODE_RANGE: [f64; 2] = [0.5, 2.2];
 const MOUNT_DAMPING_RANGE: [f64; 2] = [0.03, 1.0];
 
-/// Two estimates lie apart where they differ by more of their joint standard deviations than this.
-const APART: f64 = 3.0;
-
 /// What the grey box gives.
 pub(super) struct GreyBox {
     pub lines: Vec<MethodResult>,
@@ -39,8 +37,8 @@ pub(super) struct GreyBox {
     pub identifiability: Option<Identifiability>,
     pub delay: Option<DelayProfile>,
     pub model: ModelFile,
-    /// Why the plant is not in it, where it is not.
-    pub undetermined: Option<String>,
+    /// What speaks against its values.
+    pub cautions: Vec<String>,
 }
 
 /// Fits the grey box with white and with coloured errors; one that holds effects of the user's own by the general
@@ -92,48 +90,7 @@ pub(super) fn fit_all(work: &Work, baseline: &Baseline, thorough: bool) -> Resul
         identifiability: if thorough { cannot_tell() } else { None },
         delay: if thorough { profile() } else { None },
         model,
-        undetermined,
-    })
-}
-
-/// Why the data do not determine the plant, where they do not: a gain that may as well be zero, or a damping that is only said to be
-/// large.
-fn undetermined(found: &OutputErrorFit) -> Option<String> {
-    let of = |name: &str| found.parameters.iter().find(|estimate| estimate.name == name);
-    let gain = of("dM_du")?;
-    let [low, high] = gain.ci95;
-    let why = if low <= 0.0 && high >= 0.0 {
-        format!("the interval of dM_du, {} to {}, holds zero", digits(low), digits(high))
-    } else if found.on_bound.iter().any(|name| name == "dM_dq") && found.plant.dm_dq != 0.0 {
-        format!("dM_dq runs to its bound, {}", digits(found.plant.dm_dq))
-    } else {
-        return None;
-    };
-    Some(format!(
-        "these data do not determine the plant ({why}): a written model has its inertia alone, and a diagnosis estimates the rest; \
-         excite the axis"
-    ))
-}
-
-/// That the white and the coloured fit differ by more than their intervals allow, where they do. In open loop both come to the
-/// plant, whatever the disturbance; a missing term or a feedback moves each elsewhere (Hausman, Econometrica 46, 1978).
-pub(super) fn at_odds(white: &[Estimate], coloured: &[Estimate]) -> Option<String> {
-    let deviation = |estimate: &Estimate| 0.5 * (estimate.ci95[1] - estimate.ci95[0]) / NORMAL_95;
-    let apart = |(a, b): &(&Estimate, &Estimate)| {
-        (a.value - b.value).abs() > APART * deviation(a).hypot(deviation(b))
-    };
-    let told = |(a, b): (&Estimate, &Estimate)| {
-        format!("{} {} and {} {}", a.name, digits(a.value), digits(b.value), b.unit)
-    };
-    // no controller rests on the mount, whose intervals near a bound promise too much
-    let plant = white.iter().zip(coloured).filter(|(a, _)| !a.name.starts_with("mount"));
-    let all: Vec<String> = plant.filter(apart).map(told).collect();
-    (!all.is_empty()).then(|| {
-        format!(
-            "the grey box with white errors and that with coloured ones differ by more than their intervals ({}): it lacks some physics, \
-             or the input answers to the motion; `pitchid diagnose` tells which, and no controller should rest on either value before",
-            all.join(", ")
-        )
+        cautions: undetermined.into_iter().chain(delay_on_bound(&[&found, &modelled])).collect(),
     })
 }
 
@@ -196,7 +153,7 @@ fn with_effects(work: &Work, baseline: &Baseline) -> Result<GreyBox, Error> {
         identifiability: None,
         delay: None,
         model,
-        undetermined: None,
+        cautions: Vec::new(),
     })
 }
 
@@ -216,21 +173,4 @@ fn output_error_estimates(work: &Work, problem: &Problem<'_>, fit: &Fit, values:
             Estimate::new(&c.name, &c.unit, values[i], deviation, c.bounds)
         })
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fits_that_differ_by_more_than_their_intervals_are_told() {
-        let estimate = |name: &str, value, deviation| Estimate::new(name, "s", value, deviation, [-9.0, 9.0]);
-        let white = [estimate("dM_dq", -1.0, 0.1), estimate("delay", 0.055, 0.003)];
-        let near = [estimate("dM_dq", -1.1, 0.1), estimate("delay", 0.050, 0.001)];
-        assert_eq!(at_odds(&white, &near), None);
-        let far = [near[0].clone(), estimate("delay", 0.043, 0.001)];
-        let told = at_odds(&white, &far).unwrap();
-        assert!(told.contains("(delay 0.0550 and 0.0430 s)"), "{told}");
-        assert_eq!(at_odds(&white, &[]), None, "no second fit");
-    }
 }

@@ -10,6 +10,7 @@
 //! | grey box matched to the PI-MOESP model in the H∞ norm | `matching` |
 
 mod black_box;
+mod cautions;
 mod grey_box;
 mod judging;
 mod matching;
@@ -66,6 +67,8 @@ pub struct Identification {
     pub training: Vec<String>,
     /// Sections kept aside: an unused PRBS and the closed loop, as far as there are any.
     pub held_out: Vec<String>,
+    /// What speaks against a controller that rests on the grey box's values; empty where nothing does.
+    pub cautions: Vec<String>,
     /// What was noticed about the recordings.
     pub notes: Vec<String>,
     /// The grey box as a model file, with its intervals.
@@ -161,7 +164,6 @@ pub fn identify_with(
     let baseline = Baseline::new(model, &data)?;
     let split = Split::for_validation(&data);
     let mut found = identify_on(&data, &split, &baseline, settings, progress)?;
-    let determined = found.notes.is_empty();
     found.notes.extend(data.notes(recordings));
     if model.is_none() {
         found.notes.push(ASSUMED.into());
@@ -170,8 +172,8 @@ pub fn identify_with(
             parameter.unit = per_inertia(&parameter.unit);
         }
     }
-    if determined {
-        found.notes.extend(grey_box::at_odds(&found.parameters, &found.parameters_coloured));
+    if found.model.plant.dm_du.is_some() {
+        found.cautions.extend(cautions::at_odds(&found.parameters, &found.parameters_coloured));
     }
     Ok(found)
 }
@@ -202,6 +204,9 @@ pub fn identify_on(
     progress("choosing subspace models by cross-validation".into());
     let [pi, po] = black_box::subspace(&work, grey.plant.delay);
     methods.extend([pi.line.clone(), po.line]);
+    let mut cautions = grey.cautions;
+    cautions.extend(cautions::one_frequency(data));
+    cautions.extend(cautions::lacking(&grey.lines[0], &methods, &labels(&split.held_out)));
     methods.extend(grey.lines);
     let mut hinf = None;
     if data.has_rate {
@@ -224,7 +229,8 @@ pub fn identify_on(
         response: work.response(),
         training: labels(&split.training),
         held_out: labels(&split.held_out),
-        notes: grey.undetermined.into_iter().collect(),
+        cautions,
+        notes: Vec::new(),
         model: grey.model,
     })
 }
