@@ -29,6 +29,11 @@ pub fn indented(text: &str, first: &str, further: &str) -> String {
     format!("{}\n", textwrap::fill(&whole, options).replace('\u{a0}', " "))
 }
 
+/// A paragraph for each line, behind a dash.
+pub fn bullets(lines: &[String]) -> String {
+    lines.iter().map(|line| indented(line, "  - ", "    ")).collect()
+}
+
 /// A line with a blank line before it.
 pub fn heading(text: &str) -> String {
     format!("\n{text}\n")
@@ -239,7 +244,7 @@ fn reasons(found: &Identification) -> String {
             "nothing of the input is left in the errors (a test that is wrong once in a hundred) of: {clean}"
         ));
     }
-    heading("How sure") + &lines.iter().map(|line| indented(line, "  - ", "    ")).collect::<String>()
+    heading("How sure") + &bullets(&lines)
 }
 
 /// The methods side by side: VAF on what was held out.
@@ -287,14 +292,12 @@ fn cautions(cautions: &[String]) -> String {
     if cautions.is_empty() {
         return String::new();
     }
-    let lines: Vec<String> = cautions.iter().map(|caution| indented(caution, "  - ", "    ")).collect();
-    format!("NOT THE PLANT'S VALUES YET\n{}\n", lines.concat())
+    format!("NOT THE PLANT'S VALUES YET\n{}\n", bullets(cautions))
 }
 
 fn notes(notes: &[String]) -> String {
     if notes.is_empty() {
         return String::new();
     }
-    let lines: Vec<String> = notes.iter().map(|note| indented(note, "  - ", "    ")).collect();
-    heading("Noticed in the recordings") + &lines.concat()
+    heading("Noticed in the recordings") + &bullets(notes)
 }

@@ -1,11 +1,13 @@
 //! What every method takes: the runs of one or more recordings, each on a uniform grid without a gap.
 
+mod input;
 mod thinning;
 
 use crate::error::{Error, ErrorKind};
 use crate::moving_mean::MovingMean;
 use crate::recording::{InputHold, InputUnit, Recording, Section, WHOLE};
 use core::ops::Range;
+use input::has_two_levels;
 
 /// One stretch of uniformly sampled signals without a gap.
 #[derive(Clone, Debug)]
@@ -115,9 +117,6 @@ pub struct Dataset {
 
 /// Autocorrelation below which samples count as other ones.
 const DECORRELATED: f64 = 0.8;
-/// Share of the rows at one value from which on an input stands still.
-const STANDS: f64 = 0.9;
-
 /// Samples until the autocorrelation of the rate falls below 0.8.
 pub fn decorrelation(rates: &[Vec<f64>]) -> usize {
     let at = |lag: usize| -> f64 {
@@ -268,20 +267,6 @@ impl Dataset {
         columns().all(|values| values.is_some()) && columns().flatten().any(moves)
     }
 
-    /// Whether the input takes more than one value, in a run or from one run to another.
-    pub fn input_changes(&self) -> bool {
-        let mut all = self.runs.iter().flat_map(|run| &run.u);
-        let first = all.next();
-        all.any(|u| Some(u) != first)
-    }
-
-    /// Whether the input moves for more than a tenth of the time: less is a step or two, or one value a run, whose spread over all
-    /// rows says nothing of its size.
-    fn input_goes_on(&self) -> bool {
-        let standing: usize = self.runs.iter().map(|run| rows_at_rest(&run.u)).sum();
-        (standing as f64) < STANDS * self.samples() as f64
-    }
-
     /// Number of samples of all runs.
     pub fn samples(&self) -> usize {
         self.runs.iter().map(Run::len).sum()
@@ -426,24 +411,6 @@ fn deviation<'a>(pieces: impl Iterator<Item = &'a [f64]>) -> f64 {
     (sum / count.max(1) as f64).sqrt().max(1e-12)
 }
 
-/// Number of rows with the value that most of them have (Boyer, Moore, 1981); where no value has more than half, some number below that.
-fn rows_at_rest(signal: &[f64]) -> usize {
-    let (mut value, mut votes) = (0.0, 0usize);
-    for x in signal {
-        if votes == 0 {
-            value = *x;
-        }
-        votes = if *x == value { votes + 1 } else { votes - 1 };
-    }
-    signal.iter().filter(|x| **x == value).count()
-}
-
-fn has_two_levels<'a>(mut input: impl Iterator<Item = &'a f64>) -> bool {
-    let Some(first) = input.next() else { return false };
-    let Some(second) = input.find(|u| *u != first) else { return false };
-    input.all(|u| u == first || u == second)
-}
-
 /// The largest magnitude of a signal where several samples have exactly that, infinite where they do not.
 fn rate_limit(signal: &[f64]) -> f64 {
     const RECURS: usize = 5;
@@ -514,18 +481,4 @@ fn sections_within(
         }
     }
     sections
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_input_of_two_levels_has_no_third() {
-        for (input, two) in
-            [(&[][..], false), (&[1.0; 4], false), (&[1.0, 0.0, 0.0, 1.0], true), (&[0.0, 1.0, 2.0], false)]
-        {
-            assert_eq!(has_two_levels(input.iter()), two, "{input:?}");
-        }
-    }
 }

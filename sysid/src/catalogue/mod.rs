@@ -46,7 +46,7 @@ mod servo_second_order;
 pub mod shapes;
 pub mod slow_moment;
 mod slung_load;
-mod spectral_lines;
+pub(crate) mod spectral_lines;
 mod stribeck_friction;
 mod structural_mode;
 mod thrust_curve;

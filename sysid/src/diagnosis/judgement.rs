@@ -6,7 +6,7 @@ use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
 use super::levels::{ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, WORTH_A_NAME};
-use super::materiality::{self, is_immaterial, says_the_same, vaf_ahead};
+use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection};
 use super::predicted::ahead;
@@ -67,11 +67,13 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let gained_by_names = gain(selection.named);
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
         let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
-        let ahead_by = |place: usize| vaf_ahead(problem, &selection.visited[place].fit, &sections);
-        let baseline = LazyCell::new(|| ahead_by(selection.baseline));
+        let ahead_by = |fit: &Fit| vaf_ahead(problem, fit, &sections);
+        let fit_at = |place: usize| &selection.visited[place].fit;
+        let baseline = LazyCell::new(|| ahead_by(fit_at(selection.baseline)));
+        let closed_by_fit = |fit: &Fit| closed(*baseline, ahead_by(fit));
         let closed_by = |place: usize| match place == selection.baseline {
             true => 0.0,
-            false => materiality::closed(*baseline, ahead_by(place)),
+            false => closed_by_fit(fit_at(place)),
         };
         let closed = closed_by(selection.named);
         // Names that close little give way to what closes more; names that leave next to nothing do not give way to shapes that
@@ -173,13 +175,10 @@ impl<'p, 'd> Judgement<'p, 'd> {
         // the names that are told answer for themselves, without what is told as left
         let (closed, gained_by_names) = match &names_alone {
             Some(alone) => {
-                let criterion = |place: usize| selection.visited[place].fit.criterion();
-                let [before, all] = [selection.baseline, selection.named].map(criterion);
+                let [before, all] =
+                    [selection.baseline, selection.named].map(|place| fit_at(place).criterion());
                 let share = (before - alone.criterion()) / (before - all).max(f64::MIN_POSITIVE);
-                (
-                    materiality::closed(*baseline, vaf_ahead(problem, alone, &sections)),
-                    gained_by_names * share.clamp(0.0, 1.0),
-                )
+                (closed_by_fit(alone), gained_by_names * share.clamp(0.0, 1.0))
             }
             None => (closed, gained_by_names),
         };

@@ -2,8 +2,9 @@
 //!
 //! Step T: median m of the differences d of the time stamps, then T = Σd / Σround(d/m) over the differences that
 //! are no gap, so that stamps written with few digits do not drift against the grid; of rows that come in bursts the
-//! median of the means of eight differences. With K the count of steps from the start of a segment, the stamps lie at t_0 + K T + e; the stamps are snapped where |e| ≤ `SNAP`·T, and where the
-//! [rows are even](super::even_rows) though the stamps are not.
+//! median of the means of eight differences. With K the count of steps from the start of a segment, the stamps lie at
+//! t_0 + K T + e; the stamps are snapped where |e| ≤ `SNAP`·T, and where the [rows are even](super::even_rows) though the
+//! stamps are not.
 
 use std::ops::Range;
 

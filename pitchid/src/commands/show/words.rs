@@ -4,7 +4,7 @@ use super::content::{Shown, ShownAxis, ShownFlight, ShownRecording};
 use crate::format::{fixed, plain, plural};
 use crate::input;
 use crate::logs::excitation::Span;
-use crate::text::{heading, indented, paragraph, table};
+use crate::text::{bullets, heading, indented, paragraph, table};
 
 /// Spans that are listed; the others are counted.
 const MOST_SPANS: usize = 6;
@@ -159,6 +159,5 @@ fn notes(notes: &[String]) -> String {
     if notes.is_empty() {
         return String::new();
     }
-    let lines: Vec<String> = notes.iter().map(|note| indented(note, "  - ", "    ")).collect();
-    heading("Noticed") + &lines.concat()
+    heading("Noticed") + &bullets(notes)
 }

@@ -99,9 +99,9 @@ fn names_are_fitted_again_without_what_is_left_where_something_is() {
         // and answer for themselves
         let sections: Vec<_> = judgement.parts.iter().flat_map(|part| part.places.clone()).collect();
         let ahead = |fit: &Fit| vaf_ahead(judgement.problem, fit, &sections);
-        let by_hand = materiality::closed(ahead(judgement.baseline()), ahead(alone));
-        let closed = judgement.grounds.closed;
-        assert!((closed - by_hand).abs() < 1e-9 && by_hand > 0.0, "{closed} {by_hand}");
+        let by_hand = closed(ahead(judgement.baseline()), ahead(alone));
+        let of_names = judgement.grounds.closed;
+        assert!((of_names - by_hand).abs() < 1e-9 && by_hand > 0.0, "{of_names} {by_hand}");
         let [by_names, all] = [judgement.grounds.gained_by_names, judgement.grounds.gained_by_all];
         assert!(by_names > 0.5 * all && by_names < 0.99 * all, "{by_names} of {all}");
     });
@@ -190,7 +190,7 @@ fn a_names_share_is_that_of_the_motion_where_it_is_more_than_that_of_the_evidenc
         let sections: Vec<_> = judgement.parts.iter().flat_map(|part| part.places.clone()).collect();
         let ahead =
             |place: usize| vaf_ahead(judgement.problem, &judgement.selection.visited[place].fit, &sections);
-        let [_, stiff, drag, all] = [0, 1, 2, 3].map(|place| materiality::closed(ahead(0), ahead(place)));
+        let [_, stiff, drag, all] = [0, 1, 2, 3].map(|place| closed(ahead(0), ahead(place)));
         for (id, by_hand) in [("gravity_stiffness", all - drag), ("quadratic_drag", all - stiff)] {
             let found = judgement.named.iter().chain(&judgement.small).find(|f| f.effect.about().id == id);
             let share = found.unwrap().share;

@@ -1,12 +1,10 @@
 //! What speaks against a controller that rests on the grey box's values.
 
 use super::MethodResult;
+use crate::catalogue::spectral_lines::lines;
 use crate::dataset::Dataset;
 use crate::estimate::{Estimate, NORMAL_95, digits};
 use crate::identify::output_error::OutputErrorFit;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
-use std::f64::consts::TAU;
 
 /// Two estimates lie apart where they differ by more of their joint standard deviations than this.
 const APART: f64 = 3.0;
@@ -16,8 +14,8 @@ const TIMES: f64 = 2.0;
 const POINTS: f64 = 5.0;
 /// An input has one frequency where this share of its power is there.
 const ONE: f64 = 0.95;
-/// Lines of the periodogram on each side of the highest that Hann's window spreads one frequency over.
-const SPREAD: usize = 2;
+/// Fewest periods of it.
+const PERIODS: f64 = 3.0;
 const BEFORE: &str = "`pitchid diagnose` tells which, and no controller should rest on these values before";
 
 /// Why the data do not determine the plant, where they do not: a gain that may as well be zero, or a damping that is only said to be
@@ -98,35 +96,27 @@ pub(super) fn one_frequency(data: &Dataset) -> Option<String> {
     let longest = data.runs.iter().max_by_key(|run| run.len())?;
     let f_hz = the_one_frequency(&longest.u, longest.step)?;
     Some(format!(
-        "the input has one frequency, {} Hz, of which gain and phase are all that can be known: nothing there shows a model wrong, not \
+        "the input has one frequency, about {} Hz, of which gain and phase are all that can be known: nothing there shows a model wrong, not \
          even in its sign; excite the axis with a PRBS, steps or a sweep",
         digits(f_hz)
     ))
 }
 
-/// The frequency, Hz, at which nearly all of the signal's power is, by its periodogram under Hann's window.
+/// The frequency, Hz, at which nearly all of the signal's power is.
 fn the_one_frequency(signal: &[f64], step: f64) -> Option<f64> {
-    let n = signal.len();
-    let mean = signal.iter().sum::<f64>() / n.max(1) as f64;
-    let windowed = signal.iter().enumerate().map(|(k, x)| {
-        let window = 1.0 - (TAU * (k as f64 + 0.5) / n as f64).cos();
-        Complex::from((x - mean) * window)
-    });
-    let mut lines: Vec<Complex<f64>> = windowed.collect();
-    FftPlanner::new().plan_fft_forward(n).process(&mut lines);
-    let power: Vec<f64> = lines[..n / 2].iter().map(Complex::norm_sqr).collect();
-    let highest = (0..power.len()).max_by(|&a, &b| power[a].total_cmp(&power[b]))?;
-    let around = highest.saturating_sub(SPREAD)..(highest + SPREAD + 1).min(power.len());
-    // below that a ramp and a step are one line too
-    let whole_periods = highest > SPREAD;
-    (whole_periods && power[around].iter().sum::<f64>() > ONE * power.iter().sum::<f64>())
-        .then(|| highest as f64 / (n as f64 * step))
+    let n = signal.len() as f64;
+    // below some periods a ramp and a step are one line too
+    let line = lines(signal, step, PERIODS / (n * step)).into_iter().next()?;
+    let mean = signal.iter().sum::<f64>() / n;
+    let power = signal.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
+    (0.5 * line.amplitude.norm_sqr() > ONE * power && power > 0.0).then_some(line.frequency)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::collections::BTreeMap;
+    use std::f64::consts::TAU;
 
     #[test]
     fn fits_that_differ_by_more_than_their_intervals_are_told() {

@@ -1,0 +1,55 @@
+//! How the input moves.
+
+use super::Dataset;
+
+/// Share of the rows at one value from which on an input stands still.
+const STANDS: f64 = 0.9;
+
+impl Dataset {
+    /// Whether the input takes more than one value, in a run or from one run to another.
+    pub fn input_changes(&self) -> bool {
+        let mut all = self.runs.iter().flat_map(|run| &run.u);
+        let first = all.next();
+        all.any(|u| Some(u) != first)
+    }
+
+    /// Whether the input moves for more than a tenth of the time: less is a step or two, or one value a run, whose spread over all
+    /// rows says nothing of its size.
+    pub(super) fn input_goes_on(&self) -> bool {
+        let standing: usize = self.runs.iter().map(|run| rows_at_rest(&run.u)).sum();
+        (standing as f64) < STANDS * self.samples() as f64
+    }
+}
+
+/// Number of rows with the value that most of them have (Boyer, Moore, 1981); where no value has more than half, some number below that.
+fn rows_at_rest(signal: &[f64]) -> usize {
+    let (mut value, mut votes) = (0.0, 0usize);
+    for x in signal {
+        if votes == 0 {
+            value = *x;
+        }
+        votes = if *x == value { votes + 1 } else { votes - 1 };
+    }
+    signal.iter().filter(|x| **x == value).count()
+}
+
+/// Whether a signal has two values and no third.
+pub(super) fn has_two_levels<'a>(mut input: impl Iterator<Item = &'a f64>) -> bool {
+    let Some(first) = input.next() else { return false };
+    let Some(second) = input.find(|u| *u != first) else { return false };
+    input.all(|u| u == first || u == second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_input_of_two_levels_has_no_third() {
+        for (input, two) in
+            [(&[][..], false), (&[1.0; 4], false), (&[1.0, 0.0, 0.0, 1.0], true), (&[0.0, 1.0, 2.0], false)]
+        {
+            assert_eq!(has_two_levels(input.iter()), two, "{input:?}");
+        }
+    }
+}
