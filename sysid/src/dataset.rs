@@ -59,12 +59,25 @@ impl Run {
     }
 }
 
+/// Roll and yaw in one row, and what they make of the angle: θ̇ = q cos φ − r sin φ. Where the roll angle φ was not measured, it
+/// is taken to be zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RollAndYaw {
+    /// Roll rate p, rad/s.
+    pub p: f64,
+    /// Yaw rate r, rad/s.
+    pub r: f64,
+    /// cos φ − 1.
+    pub shortening: f64,
+    /// −r sin φ, rad/s.
+    pub carried: f64,
+}
+
 /// What was logged beside the pitch axis, row by row, each where it was.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Beside {
-    /// Roll rate, yaw rate (rad/s) and roll angle (rad), where both rates were measured; the angle, where it was not
-    /// measured, is the integral of the roll rate.
-    pub roll_and_yaw: Option<Vec<[f64; 3]>>,
+    /// Roll and yaw, where both rates were measured.
+    pub roll_and_yaw: Option<Vec<RollAndYaw>>,
     /// Roll rate, rad/s.
     pub roll_rate: Option<Vec<f64>>,
     /// Command of the roll axis, in its unit.
@@ -439,19 +452,13 @@ fn relative(values: Option<Vec<f64>>, mean: Option<f64>) -> Option<Vec<f64>> {
     Some(values)
 }
 
-fn roll_and_yaw(recording: &Recording, segment: &Range<usize>) -> Option<Vec<[f64; 3]>> {
+fn roll_and_yaw(recording: &Recording, segment: &Range<usize>) -> Option<Vec<RollAndYaw>> {
     let (p, r) = (recording.p.as_deref()?, recording.r.as_deref()?);
-    let mut roll = 0.0;
-    Some(
-        segment
-            .clone()
-            .map(|k| {
-                let phi = recording.phi.as_ref().map_or(roll, |phi| phi[k]);
-                roll += p[k] * recording.step;
-                [p[k], r[k], phi]
-            })
-            .collect(),
-    )
+    let row = |k: usize| {
+        let (sine, cosine) = recording.phi.as_ref().map_or(0.0, |phi| phi[k]).sin_cos();
+        RollAndYaw { p: p[k], r: r[k], shortening: cosine - 1.0, carried: -r[k] * sine }
+    };
+    Some(segment.clone().map(row).collect())
 }
 
 /// The sections inside `segment`. One that a gap cuts keeps its name on both sides, and the stretches of a file that names none are

@@ -158,7 +158,8 @@ fn flown(seed: u64, beside: bool, concealed: &mut dyn Concealed) -> Recording {
             // an operator who keeps the angle small
             commanded = excitation - 0.02 * theta;
             now.u_roll = u_roll;
-            (now.thrust, now.volts) = (0.5 + 0.12 * (0.4 * now.t).sin(), 12.6 - 1.5 * (0.05 * now.t).sin());
+            now.thrust = 0.5 + 0.1 * (0.4 * now.t).sin() + 0.06 * (0.91 * now.t).sin();
+            now.volts = 12.6 - 1.5 * (0.05 * now.t).sin();
             text.push_str(&format!("{:.3},{commanded},{q},{theta}", now.t));
             if beside {
                 let Now { p, u_roll, thrust, volts, .. } = now;
@@ -375,6 +376,14 @@ fn thrust_dependence() {
 }
 
 #[test]
+fn thrust_offset() {
+    for c in [0.15, -0.06] {
+        let mut concealed = Moment(move |now: &Now| c * (now.thrust - 0.5) / 0.5);
+        finds("thrust_offset", &[("c", c)], &[], &mut concealed);
+    }
+}
+
+#[test]
 fn periodic_moment() {
     let (amplitude, f_hz, phase) = (0.02, 1.83, 0.2);
     let mut concealed = Moment(|now: &Now| amplitude * (TAU * f_hz * now.t + phase).sin());
@@ -425,7 +434,7 @@ fn what_needs_a_column_is_tried_only_where_the_column_varies() {
     let applies = |recording: Recording| {
         let data = Dataset::new(&[recording]).expect("it is one recording");
         let baseline = Baseline::from_model(&model(), &data).expect("the model is of this kind");
-        let ids = ["cross_feed", "axis_misalignment", "thrust_dependence", "voltage_droop"];
+        let ids = ["cross_feed", "axis_misalignment", "thrust_dependence", "thrust_offset", "voltage_droop"];
         ids.map(|id| find(id).expect("it is in the catalogue").applies(&baseline, &data))
     };
     let with = flown(1, true, &mut Moment(|_: &Now| 0.0));
@@ -435,8 +444,8 @@ fn what_needs_a_column_is_tried_only_where_the_column_varies() {
     }
     let mut angle_only = with.clone();
     angle_only.q = None;
-    assert_eq!(applies(with), [true; 4]);
-    assert_eq!(applies(dead), [false; 4]);
-    assert_eq!(applies(flown(1, false, &mut Moment(|_: &Now| 0.0))), [false; 4]);
-    assert_eq!(applies(angle_only), [true, false, true, true]);
+    assert_eq!(applies(with), [true; 5]);
+    assert_eq!(applies(dead), [false; 5]);
+    assert_eq!(applies(flown(1, false, &mut Moment(|_: &Now| 0.0))), [false; 5]);
+    assert_eq!(applies(angle_only), [true, false, true, true, true]);
 }

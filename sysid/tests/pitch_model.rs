@@ -1,7 +1,7 @@
 //! The sampled pitch model against closed forms, and its parameters found again.
 
 use sysid::catalogue::find;
-use sysid::dataset::{Amplitudes, Run};
+use sysid::dataset::{Amplitudes, RollAndYaw, Run};
 use sysid::model::noise::Disturbance;
 use sysid::model::pitch::{PitchModel, Term};
 use sysid::model::plant::Plant;
@@ -176,4 +176,29 @@ fn least_squares_finds_a_line_and_its_covariance() {
     let found = covariance(&residuals, 1, &coordinates, &minimum.values, 0).expect("it is regular");
     let slope = (1.0 / 12.0) / (400.0 / 12.0);
     assert!((found[(1, 1)] / slope - 1.0).abs() < 0.1, "{} for {slope}", found[(1, 1)]);
+}
+
+/// Banked by φ at a yaw rate r, θ̇ = q cos φ − r sin φ, and the rate is as in a vehicle that is level.
+#[test]
+fn a_banked_turn_carries_the_angle_and_leaves_the_rate() {
+    let (sine, cosine) = 0.4_f64.sin_cos();
+    let mut banked = run(step_input());
+    let turn = RollAndYaw { p: 0.0, r: 0.7, shortening: cosine - 1.0, carried: -0.7 * sine };
+    banked.beside.roll_and_yaw = Some(vec![turn; banked.len()]);
+    let friction = find("coulomb_friction").expect("it is in the catalogue");
+    // with a term that cuts samples into substeps, and without
+    for terms in [Vec::new(), vec![Term { effect: friction, values: vec![0.02] }]] {
+        let level = free_run(&PLANT, &terms, step_input());
+        let model = PitchModel::new(&PLANT, &terms, &QUIET, STEP, &SIZES).expect("the model is finite");
+        let simulated =
+            model.simulate(&banked, 0..banked.len(), model.start(&banked)).expect("it stays finite");
+        let mut angle = 0.0;
+        for k in 0..simulated.len() {
+            assert_eq!(simulated[k][0], level[k][0]);
+            assert!((simulated[k][1] - angle).abs() < 2e-5, "{k}: {:?} {angle}", simulated[k]);
+            // the level vehicle's angle is the integral of q
+            let pitched = level.get(k + 1).map_or(0.0, |next| next[1] - level[k][1]);
+            angle += pitched * cosine - 0.7 * sine * STEP;
+        }
+    }
 }

@@ -4,7 +4,7 @@ use host_sim::{FreeFlight, Setting, Table, dirt};
 use sysid::diagnosis::answer::{Answer, Verdict};
 use sysid::diagnosis::axes::{AxisRecordings, shared_by};
 use sysid::model::file::ModelFile;
-use sysid::recording::{ReadOptions, Recording, parse};
+use sysid::recording::{InputHold, ReadOptions, Recording, parse};
 
 use crate::{ask, effect, entry, ids, is_right, model_of, read, read_with};
 
@@ -65,18 +65,19 @@ fn the_lag_of_motors_in_a_loop_is_one_class_of_lags() {
     }
 }
 
+/// The pitch axis of a flight in which all axes are logged.
+fn pitch_of(table: &Table, input_hold: InputHold) -> Recording {
+    let columns = vec!["u_norm=u_pitch_norm".parse().expect("it is a map")];
+    read_with(table, &ReadOptions { columns, input_hold, ..ReadOptions::default() })
+}
+
 #[test]
 fn axes_that_move_beside_pitch_make_no_mount_mode_or_fade() {
     let (table, model) = {
         let feed = effect("cross_feed", &[("c", 0.055)]);
         flown(4, vec![effect("servo_lag", &[("T", 0.04)]), feed], |flight| flight)
     };
-    let options = ReadOptions {
-        columns: vec!["u_norm=u_pitch_norm".parse().expect("it is a map")],
-        ..ReadOptions::default()
-    };
-    let recording: Recording = read_with(&table, &options);
-    let answer = ask(&[recording], Some(&model)).answer;
+    let answer = ask(&[pitch_of(&table, InputHold::Held)], Some(&model)).answer;
     none_of(&answer, &["imu_mount", "structural_mode", "effectiveness_fade", "inertia_step", "clock_skew"]);
     assert!(answer.effects.len() < 4);
 }
@@ -159,4 +160,36 @@ fn what_stands_on_the_ground_is_left_out() {
     assert!((seconds - 28.0).abs() < 0.1, "{seconds} s of 30 are away from the ground");
     assert!(grounded.notes.iter().any(|note| note.text.contains("on the ground")));
     assert_eq!(ids(&ask(&[grounded], Some(&model)).answer), ids(&ask(&[flight], Some(&model)).answer));
+}
+
+/// θ̇ = q cos φ − r sin φ is no physics that a model leaves out, and hides none.
+#[test]
+fn roll_and_yaw_turn_the_angle_of_pitch_in_every_model() {
+    let mut flight = FreeFlight { tick_s: 0.02, ..FreeFlight::new(41).expect("it exists") };
+    let mut model = model_of(&flight.plants[PITCH], Vec::new());
+    model.plant.delay_s = None;
+    let asked = |flight: &FreeFlight| {
+        let table = flight.fly().expect("it flies").table;
+        ask(&[pitch_of(&table, InputHold::Held)], Some(&model)).answer
+    };
+    let lagging = asked(&flight);
+    assert_eq!((lagging.verdict, ids(&lagging)), (Verdict::Named, vec!["servo_lag"]));
+    assert!(is_right(&lagging.effects[0].parameters[0], 0.04, 0.1));
+    flight.effects = [Vec::new(), Vec::new(), Vec::new()];
+    assert_eq!(asked(&flight).verdict, Verdict::NoMismatch);
+}
+
+/// As with a rotor that has become weak, or a load that has shifted: what holds the vehicle aside grows with the thrust.
+#[test]
+fn a_thrust_beside_the_centre_of_gravity_is_a_trim_that_grows_with_it() {
+    for (seed, c) in [(31, 0.05), (32, -0.08)] {
+        let effects = vec![effect("trim_offset", &[("M0", c)]), effect("thrust_offset", &[("c", c)])];
+        let (table, model) = flown(seed, effects, |flight| flight);
+        let answer = ask(&[pitch_of(&table, InputHold::Interpolated)], Some(&model)).answer;
+        assert_eq!(answer.verdict, Verdict::Named, "{seed}");
+        let mut found = ids(&answer);
+        found.sort_unstable();
+        assert_eq!(found, ["thrust_offset", "trim_offset"], "{seed}");
+        assert!(answer.effects.iter().all(|found| is_right(&found.parameters[0], c, 0.05)), "{seed}");
+    }
 }

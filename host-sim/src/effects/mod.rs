@@ -63,6 +63,7 @@ mod stribeck_friction;
 mod structural_mode;
 mod thrust_curve;
 mod thrust_dependence;
+mod thrust_offset;
 mod trim_offset;
 mod unilateral_spring;
 mod unlisted;
@@ -96,6 +97,7 @@ pub const CATALOGUE: &[Entry] = &[
     rotor_reaction::ENTRY,
     cross_feed::ENTRY,
     thrust_dependence::ENTRY,
+    thrust_offset::ENTRY,
     voltage_droop::ENTRY,
     coulomb_friction::ENTRY,
     quadratic_drag::ENTRY,

@@ -5,7 +5,7 @@ use crate::dataset::Dataset;
 use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Scale};
 
-/// M += ΔI p r, θ̇ = q cos φ − r sin φ; ΔI is expected at Izz − Ixx.
+/// M += ΔI p r; ΔI is expected at Izz − Ixx. What the angle has of roll and yaw, θ̇ = q cos φ − r sin φ, every model has.
 pub struct GyroscopicCoupling;
 
 impl Effect for GyroscopicCoupling {
@@ -14,7 +14,7 @@ impl Effect for GyroscopicCoupling {
             id: "gyroscopic_coupling",
             locus: Locus::PitchMoment,
             sentence: "roll and yaw rates couple into pitch",
-            equation: "M += dI p r, dtheta/dt = q cos(phi) - r sin(phi)",
+            equation: "M += dI p r",
             variable: "p r",
             condition: "when roll and yaw rates are large together",
         }
@@ -33,9 +33,5 @@ impl Effect for GyroscopicCoupling {
     }
     fn moment(&self, p: &[f64], _s: &[f64], _q: f64, _theta: f64, at: &Conditions) -> f64 {
         p[0] * at.roll_rate * at.yaw_rate
-    }
-    fn angle_rate(&self, _p: &[f64], q: f64, at: &Conditions) -> f64 {
-        let (sin, cos) = at.roll.sin_cos();
-        q * (cos - 1.0) - at.yaw_rate * sin
     }
 }

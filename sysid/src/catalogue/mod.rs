@@ -51,6 +51,7 @@ mod stribeck_friction;
 mod structural_mode;
 mod thrust_curve;
 mod thrust_dependence;
+mod thrust_offset;
 pub mod trim_offset;
 mod unilateral_spring;
 mod voltage_droop;
@@ -73,6 +74,7 @@ pub const CATALOGUE: &[&dyn Effect] = &[
     &effectiveness_fade::EffectivenessFade,
     &voltage_droop::VoltageDroop,
     &thrust_dependence::ThrustDependence,
+    &thrust_offset::ThrustOffset,
     &rotor_reaction::RotorReaction,
     &cross_feed::CrossFeed,
     &coulomb_friction::CoulombFriction,

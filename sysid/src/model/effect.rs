@@ -73,8 +73,6 @@ pub struct Conditions {
     pub roll_rate: f64,
     /// Yaw rate r, rad/s.
     pub yaw_rate: f64,
-    /// Roll angle φ, rad.
-    pub roll: f64,
     /// A pitch rate that counts as rest, rad/s: where a sign change is smoothed.
     pub small_rate: f64,
     /// The delayed command u_c, mean over the step.
@@ -252,8 +250,8 @@ pub trait Effect: Sync {
     fn states(&self) -> usize {
         0
     }
-    /// Whether it acts on the motion, or is moved by it, within a sample (by `impulse`, `moment`, `inertia`, `angle_rate`,
-    /// `follow`, `sense`): then samples are cut into substeps. One that does not acts on what drives the motion (by `delay`,
+    /// Whether it acts on the motion, or is moved by it, within a sample (by `impulse`, `moment`, `inertia`, `follow`,
+    /// `sense`): then samples are cut into substeps. One that does not acts on what drives the motion (by `delay`,
     /// `actuate`, `forcing`), which the motion has no part in; no effect does both.
     fn within_sample(&self) -> bool {
         false
@@ -305,10 +303,6 @@ pub trait Effect: Sync {
     /// Factor on the pitch inertia.
     fn inertia(&self, _p: &[f64], _at: &Conditions) -> f64 {
         1.0
-    }
-    /// Rate added to θ̇, rad/s, at pitch rate `q`.
-    fn angle_rate(&self, _p: &[f64], _q: f64, _at: &Conditions) -> f64 {
-        0.0
     }
     /// Moves its own states over one step, with the mean over it of the airframe's pitch rate `q` in rad/s and angle `theta`
     /// in rad.

@@ -94,8 +94,10 @@ pub struct PitchModel<'a> {
     per_moment: State,
     /// Response of the state at the sample's end to a unit moment during each of its substeps.
     per_moment_of_substep: Vec<State>,
-    /// Response of the state to a unit rate added to θ̇.
+    /// Response of the state at a substep's end to a unit rate added to θ̇ within it.
     per_angle_rate: State,
+    /// Response of the state at the sample's end to a unit rate added to θ̇ all the while.
+    per_angle_rate_of_sample: State,
     /// Response of the state at a substep's end to a unit angular impulse within it.
     kick: Kick,
     /// Moment on the airframe per state, N m.
@@ -192,10 +194,13 @@ impl<'a> PitchModel<'a> {
         let exp = block.exp();
         let transition = exp.fixed_view::<STATES, STATES>(0, 0).into_owned();
         let per_moment = exp.fixed_view::<STATES, 1>(0, STATES).into_owned();
+        let per_angle_rate = exp.fixed_view::<STATES, 1>(0, STATES + 1).into_owned();
+        let mut per_angle_rate_of_sample = per_angle_rate;
         let mut over_sample = transition;
         let mut per_moment_of_substep = vec![per_moment];
         for _ in 1..substeps {
             per_moment_of_substep.insert(0, over_sample * per_moment);
+            per_angle_rate_of_sample = transition * per_angle_rate_of_sample + per_angle_rate;
             over_sample = transition * over_sample;
         }
         let kick = Kick::new(&(continuous * dt), &transition, plant.inertia);
@@ -214,7 +219,8 @@ impl<'a> PitchModel<'a> {
             sample: Transition::new(&over_sample),
             per_moment,
             per_moment_of_substep,
-            per_angle_rate: exp.fixed_view::<STATES, 1>(0, STATES + 1).into_owned(),
+            per_angle_rate,
+            per_angle_rate_of_sample,
             kick,
             moment_row,
             measured: (rate, angle),
@@ -304,8 +310,28 @@ impl<'a> PitchModel<'a> {
         self.moved(point, run, k, &mut at, drives)
     }
 
-    /// The motion one sample further under `drives`, one for each substep; `at` are the conditions of any row.
+    /// The motion one sample further under `drives`, one for each substep; `at` are the conditions of any row. What the angle has
+    /// of roll and yaw, θ̇ = q cos φ − r sin φ, comes at its end, by the mean of both rows.
     fn moved(&self, point: &mut Point, run: &Run, k: usize, at: &mut Conditions, drives: &[Drive]) -> bool {
+        let before = point.x[Q];
+        let goes_on = self.moved_level(point, run, k, at, drives);
+        if let Some(rows) = &run.beside.roll_and_yaw {
+            let (from, to) = (rows[k], *rows.get(k + 1).unwrap_or(&rows[k]));
+            let pitching = 0.25 * (before + point.x[Q]) * (from.shortening + to.shortening);
+            point.x += self.per_angle_rate_of_sample * (pitching + 0.5 * (from.carried + to.carried));
+        }
+        goes_on
+    }
+
+    /// The same of a vehicle that is level in roll.
+    fn moved_level(
+        &self,
+        point: &mut Point,
+        run: &Run,
+        k: usize,
+        at: &mut Conditions,
+        drives: &[Drive],
+    ) -> bool {
         if self.within_sample.is_empty() && self.rubbing.is_empty() {
             let mut driven = State::zeros();
             for (per_moment, drive) in self.per_moment_of_substep.iter().zip(drives) {
@@ -349,19 +375,18 @@ impl<'a> PitchModel<'a> {
         at: &Conditions,
     ) {
         let (before, driving) = (point.x, control + forced);
-        let (moment, angle_rate) = self.nonlinear(&before, &point.own, driving, at);
-        let mut after = self.acted_on(self.substep.apply(&before), driving + moment, angle_rate);
+        let moment = self.nonlinear(&before, &point.own, driving, at);
+        let mut after = self.substep.apply(&before) + self.per_moment * (driving + moment);
         if let Some(kicked) = kicked {
             after += kicked;
         }
         let mut middle = (before + after) * 0.5;
         // The chord cuts off an angle that swings: Hermite's cubic through both ends does not.
         middle[THETA] += at.dt * (before[Q] - after[Q]) / 8.0;
-        let (corrected, corrected_rate) = self.nonlinear(&middle, &point.own, driving, at);
-        let mut after = self.acted_on(after, corrected - moment, corrected_rate - angle_rate);
+        after += self.per_moment * (self.nonlinear(&middle, &point.own, driving, at) - moment);
         if !self.rubbing.is_empty() {
             let (friction, slower) = self.rubbed(before[Q], after[Q], at);
-            after = self.acted_on(after, friction, slower);
+            after += self.per_moment * friction + self.per_angle_rate * slower;
         }
         point.x = after;
         let (rate, angle) = self.measured;
@@ -373,31 +398,20 @@ impl<'a> PitchModel<'a> {
         }
     }
 
-    /// `x` at the end of a substep with a `moment` and an addition to θ̇ during it.
+    /// Moment that the effects add to the linear model at state `x`.
     #[inline(always)]
-    fn acted_on(&self, mut x: State, moment: f64, angle_rate: f64) -> State {
-        x += self.per_moment * moment;
-        if angle_rate != 0.0 {
-            x += self.per_angle_rate * angle_rate;
-        }
-        x
-    }
-
-    /// Moment and rate of the angle that the effects add to the linear model at state `x`.
-    #[inline(always)]
-    fn nonlinear(&self, x: &State, own: &[f64; OWN_STATES], driving: f64, at: &Conditions) -> (f64, f64) {
+    fn nonlinear(&self, x: &State, own: &[f64; OWN_STATES], driving: f64, at: &Conditions) -> f64 {
         let (q, theta) = (x[Q], x[THETA]);
-        let (mut moment, mut angle_rate) = (self.stiffness * theta + self.damping * q, 0.0);
+        let mut moment = self.stiffness * theta + self.damping * q;
         for term in &self.within_sample {
             moment += term.effect.moment(term.values, &own[term.own.clone()], q, theta, at);
-            angle_rate += term.effect.angle_rate(term.values, q, at);
         }
         if self.inertia_changes {
             let inertia = inertia_factor(&self.terms, at);
             let all = (self.moment_row * x)[0] + driving + moment;
             moment += all * (1.0 / inertia - 1.0);
         }
-        (moment, angle_rate)
+        moment
     }
 
     /// Free run: simulates rows `rows` of `run` from `point`, the state at the first of them.

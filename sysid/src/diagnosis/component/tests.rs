@@ -81,7 +81,14 @@ fn a_lag_rises_after_a_step_and_a_window_opens_and_closes() {
 #[test]
 fn a_signal_that_never_moves_gives_numbers_all_the_same() {
     asked(&flight_with(1, friction), |problem, baseline| {
-        for id in ["cross_feed", "thrust_dependence", "gravity_stiffness", "hysteresis", "linkage_backlash"] {
+        for id in [
+            "cross_feed",
+            "thrust_dependence",
+            "thrust_offset",
+            "gravity_stiffness",
+            "hysteresis",
+            "linkage_backlash",
+        ] {
             let mut fit = baseline.clone();
             fit.effects = effects(&[id]);
             fit.minimum.values.extend(fit.effects[0].starts(&problem.sizes).remove(0));

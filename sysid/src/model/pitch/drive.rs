@@ -74,7 +74,7 @@ impl PitchModel<'_> {
 /// Conditions that were logged beside the pitch axis in row `k`.
 pub(super) fn set_beside(at: &mut Conditions, run: &Run, k: usize) {
     if let Some(rows) = &run.beside.roll_and_yaw {
-        [at.roll_rate, at.yaw_rate, at.roll] = rows[k];
+        (at.roll_rate, at.yaw_rate) = (rows[k].p, rows[k].r);
     }
     at.roll_command = at_row(&run.beside.roll_command, k);
     at.thrust = at_row(&run.beside.thrust, k);
