@@ -49,17 +49,20 @@ fn a_vehicle_out_of_trim_is_told_first_and_the_same_vehicle_is_not() {
         println!("skipped: no flights of real vehicles beside this checkout");
         return;
     };
+    let (roll, pitch) = (["roll", "p"], ["pitch", "q"]);
+    let models = [roll, pitch]
+        .map(|axis| identify(&[flown(&folder, "a", axis)], None, &|_| ()).expect("a model").model);
     for (flight, axis, command) in [
-        ("a", ["roll", "p"], None),
-        ("a", ["pitch", "q"], None),
-        ("b", ["roll", "p"], Some(0.15)),
-        ("b", ["pitch", "q"], Some(-0.12)),
-        ("c", ["roll", "p"], Some(0.11)),
-        ("c", ["pitch", "q"], None),
+        ("a", roll, None),
+        ("a", pitch, None),
+        ("b", roll, Some(0.15)),
+        ("b", pitch, Some(-0.12)),
+        ("c", roll, Some(0.11)),
+        ("c", pitch, None),
     ] {
-        let model = identify(&[flown(&folder, "a", axis)], None, &|_| ()).expect("a model").model;
+        let model = &models[usize::from(axis == pitch)];
         let answer =
-            diagnose(&[flown(&folder, flight, axis)], Some(&model), &|_| ()).expect("an answer").answer;
+            diagnose(&[flown(&folder, flight, axis)], Some(model), &|_| ()).expect("an answer").answer;
         println!("{flight} {}: {:?} {}", axis[0], answer.verdict, answer.summary);
         let balance = answer.balance.as_ref();
         assert_eq!(
