@@ -49,32 +49,33 @@ fn a_vehicle_out_of_trim_is_told_first_and_the_same_vehicle_is_not() {
         println!("skipped: no flights of real vehicles beside this checkout");
         return;
     };
-    let (roll, pitch) = (["roll", "p"], ["pitch", "q"]);
-    let models = [roll, pitch]
-        .map(|axis| identify(&[flown(&folder, "a", axis)], None, &|_| ()).expect("a model").model);
-    for (flight, axis, command) in [
-        ("a", roll, None),
-        ("a", pitch, None),
-        ("b", roll, Some(0.15)),
-        ("b", pitch, Some(-0.12)),
-        ("c", roll, Some(0.11)),
-        ("c", pitch, None),
+    for (axis, flights) in [
+        (["roll", "p"], [("a", None), ("b", Some(0.15)), ("c", Some(0.11))]),
+        (["pitch", "q"], [("a", None), ("b", Some(-0.12)), ("c", None)]),
     ] {
-        let model = &models[usize::from(axis == pitch)];
-        let answer =
-            diagnose(&[flown(&folder, flight, axis)], Some(model), &|_| ()).expect("an answer").answer;
-        println!("{flight} {}: {:?} {}", axis[0], answer.verdict, answer.summary);
-        let balance = answer.balance.as_ref();
-        assert_eq!(
-            balance.is_some_and(|b| b.out_of_trim),
-            command.is_some(),
-            "{flight} {axis:?}: {balance:?}"
-        );
-        let Some(command) = command else { continue };
-        let held = answer.questions.iter().find(|q| q.question == "Is it in trim?").expect("it is asked");
-        let value: f64 =
-            held.answer.split("takes ").nth(1).and_then(|w| w.split(' ').next()).unwrap().parse().unwrap();
-        assert!((value / command - 1.0_f64).abs() < 0.1, "{flight} {axis:?}: {value}");
-        assert!(answer.summary.contains("Out of the model's trim"), "{}", answer.summary);
+        let model = identify(&[flown(&folder, "a", axis)], None, &|_| ()).expect("a model").model;
+        for (flight, command) in flights {
+            let answer =
+                diagnose(&[flown(&folder, flight, axis)], Some(&model), &|_| ()).expect("an answer").answer;
+            println!("{flight} {}: {:?} {}", axis[0], answer.verdict, answer.summary);
+            let balance = answer.balance.as_ref();
+            assert_eq!(
+                balance.is_some_and(|b| b.out_of_trim),
+                command.is_some(),
+                "{flight} {axis:?}: {balance:?}"
+            );
+            let Some(command) = command else { continue };
+            let held = answer.questions.iter().find(|q| q.question == "Is it in trim?").expect("it is asked");
+            let value: f64 = held
+                .answer
+                .split("takes ")
+                .nth(1)
+                .and_then(|w| w.split(' ').next())
+                .unwrap()
+                .parse()
+                .unwrap();
+            assert!((value / command - 1.0_f64).abs() < 0.1, "{flight} {axis:?}: {value}");
+            assert!(answer.summary.contains("Out of the model's trim"), "{}", answer.summary);
+        }
     }
 }
