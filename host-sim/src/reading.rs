@@ -66,6 +66,14 @@ pub struct Beside {
     pub battery_v: f64,
 }
 
+impl Beside {
+    /// (T − T̄)/T̄, T̄ the collective thrust of hover.
+    #[must_use]
+    pub fn thrust_above_hover(&self) -> f64 {
+        self.thrust / Self::default().thrust - 1.0
+    }
+}
+
 impl Default for Beside {
     /// A vehicle that hovers on a battery of its nominal voltage, four cells of 3.7 V.
     fn default() -> Self {

@@ -26,7 +26,7 @@ impl Effect for ThrustDependence {
     }
 
     fn beside(&mut self, now: &Beside) {
-        self.above = now.thrust / Beside::default().thrust - 1.0;
+        self.above = now.thrust_above_hover();
     }
 
     /// Down to nothing, not beyond.

@@ -26,7 +26,7 @@ impl Effect for ThrustOffset {
     }
 
     fn beside(&mut self, now: &Beside) {
-        self.above = now.thrust / Beside::default().thrust - 1.0;
+        self.above = now.thrust_above_hover();
     }
 
     fn moment(&self, _t: f64, _x: &State, _blade: f64) -> f64 {
