@@ -10,9 +10,9 @@ import pytest
 COMMAND = os.environ.get("PITCHID") or shutil.which("pitchid") or Path(__file__).parents[2] / "target/release/pitchid"
 
 if os.environ.get("CI") and not Path(COMMAND).exists():
-    pytest.fail(f"{COMMAND}: not there; build it with cargo build --release -p pitchid")
+    pytest.fail(f"{COMMAND}: not there; build it with cargo build --release --bin pitchid")
 
-needs_command = pytest.mark.skipif(not Path(COMMAND).exists(), reason="cargo build --release -p pitchid first")
+needs_command = pytest.mark.skipif(not Path(COMMAND).exists(), reason="cargo build --release --bin pitchid first")
 
 
 def run(*arguments, folder=None):

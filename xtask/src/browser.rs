@@ -25,7 +25,7 @@ pub fn check() -> Outcome {
         .find(|name| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success()))
         .ok_or("no Chromium: install the package chromium")?;
     output(
-        Command::new("cargo").args(["build", "--release", "--locked", "-p", "pitchid"]).current_dir(root),
+        Command::new("cargo").args(["build", "--release", "--locked", "--bin", "pitchid"]).current_dir(root),
     )?;
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
     let work = target.join("browser");

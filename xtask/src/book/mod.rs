@@ -42,7 +42,7 @@ fn pitchid() -> Outcome<PathBuf> {
     if let Some(path) = std::env::var_os("PITCHID") {
         return Ok(path.into());
     }
-    output(Command::new("cargo").args(["build", "--release", "--locked", "--package", "pitchid"]))?;
+    output(Command::new("cargo").args(["build", "--release", "--locked", "--bin", "pitchid"]))?;
     let metadata = output(Command::new("cargo").args(["metadata", "--format-version", "1", "--no-deps"]))?;
     let metadata: serde_json::Value = serde_json::from_str(&metadata).map_err(|error| error.to_string())?;
     let target = metadata["target_directory"].as_str().ok_or("cargo metadata names no target directory")?;
