@@ -4,17 +4,18 @@ use host_sim::{Background, Scenario, Setting};
 use pitchid_tests::{at_cost, diagnosed, record, scenario};
 use sysid::diagnosis::answer::{Answer, Verdict};
 
-const SEEDS: u64 = 10;
-
-/// Runs `count` cases, prints each answer, and says how many were as wanted.
+/// `least` of `count` cases have to be as wanted: runs them, prints each answer, and ends as soon as they are.
 fn tally(
     what: &str,
-    count: u64,
+    [least, count]: [u64; 2],
     case: impl Fn(u64) -> (Scenario, String),
     mut wanted: impl FnMut(&Answer) -> bool,
-) -> u64 {
+) {
     let mut right = 0;
     for seed in 0..count {
+        if right == least || seed - right > count - least {
+            break;
+        }
         let (scenario, told) = case(seed);
         let answer = diagnosed(record(&scenario)).answer;
         let ids: Vec<&str> = answer.effects.iter().map(|e| e.id.as_str()).collect();
@@ -27,8 +28,8 @@ fn tally(
             if ok { "" } else { "  <-- WRONG" }
         );
     }
-    println!("{what}: {right} of {count}");
-    right
+    println!("{what}: {right}, at least {least} of {count} are asked for");
+    assert!(right >= least, "{what}: {right} of {count}");
 }
 
 fn is_named(id: &str) -> impl Fn(&Answer) -> bool + '_ {
@@ -45,7 +46,7 @@ fn gravity_is_named_or_told_before_a_straight_spring() {
             && effect.id == "gravity_stiffness"
             && rivals
     };
-    assert!(tally("gravity_stiffness", SEEDS, concealed("gravity_stiffness"), wanted) >= 9);
+    tally("gravity_stiffness", [9, 10], concealed("gravity_stiffness"), wanted);
 }
 
 /// `id` at a size that costs five points of held-out VAF, on backgrounds that alternate between clean and lab.
@@ -70,7 +71,7 @@ macro_rules! named {
     ($($test:ident $id:literal)*) => {$(
         #[test]
         fn $test() {
-            assert!(tally($id, SEEDS, concealed($id), is_named($id)) >= 9);
+            tally($id, [9, 10], concealed($id), is_named($id));
         }
     )*};
 }
@@ -89,8 +90,7 @@ fn nothing_is_found_where_nothing_is_concealed() {
         let background = [Background::Clean, Background::Lab, Background::Paper][seed as usize % 3];
         (scenario(200 + seed, background), format!("({background:?})"))
     };
-    let right = tally("nothing", 20, bare, |answer| answer.verdict == Verdict::NoMismatch);
-    assert!(right >= 19);
+    tally("nothing", [19, 20], bare, |answer| answer.verdict == Verdict::NoMismatch);
 }
 
 #[test]
@@ -100,10 +100,9 @@ fn a_coloured_disturbance_is_no_mismatch() {
         let bare = scenario(300 + seed, Background::Lab);
         (Scenario { effects: vec![gust], ..bare }, "(gust)".to_owned())
     };
-    let right = tally("coloured disturbance", 20, gusty, |answer| {
+    tally("coloured disturbance", [19, 20], gusty, |answer| {
         answer.verdict == Verdict::NoMismatch || answer.effects.iter().all(|e| e.id == "gust_disturbance")
     });
-    assert!(right >= 19);
 }
 
 /// `id` at its strong size, on a clean background.
@@ -123,29 +122,29 @@ fn an_inertia_that_steps_is_named_with_its_moment() {
     };
     let concealed = moment(&plain("inertia_step")(0).0);
     let mut sharp = 0;
-    let right = tally("inertia_step", 4, plain("inertia_step"), |answer| {
+    tally("inertia_step", [4, 4], plain("inertia_step"), |answer| {
         let told = answer.effects.iter().flat_map(|e| &e.parameters).find(|p| p.name == "t_star");
         let Some([low, high]) = told.map(|t| t.ci95) else { return false };
         sharp += usize::from(high - low < 2.0);
         is_named("inertia_step")(answer) && (low..=high).contains(&concealed)
     });
     // Where the likelihood has two hills, the interval reaches over both; it was sharp and wrong when it did not.
-    assert!(right == 4 && sharp >= 2, "{right} {sharp}");
+    assert!(sharp >= 2, "{sharp}");
 }
 
 #[test]
 fn a_thrust_that_flattens_is_no_saturation() {
-    assert!(tally("thrust_curve", 4, plain("thrust_curve"), is_named("thrust_curve")) >= 3);
+    tally("thrust_curve", [3, 4], plain("thrust_curve"), is_named("thrust_curve"));
 }
 
 #[test]
 fn a_gust_beside_a_resonant_background_is_named() {
-    assert!(tally("gust", 4, plain("gust_disturbance"), is_named("gust_disturbance")) >= 3);
+    tally("gust", [3, 4], plain("gust_disturbance"), is_named("gust_disturbance"));
 }
 
 #[test]
 fn clocks_that_drift_are_all_that_is_named() {
-    assert!(tally("clock_skew", 4, plain("clock_skew"), is_named("clock_skew")) >= 3);
+    tally("clock_skew", [3, 4], plain("clock_skew"), is_named("clock_skew"));
 }
 
 #[test]
@@ -157,6 +156,5 @@ fn what_no_catalogue_lists_is_called_unlisted() {
         let bare = scenario(400 + seed, Background::Clean);
         (Scenario { effects: vec![setting], ..bare }, format!("({})", OUTSIDE[seed as usize]))
     };
-    let right = tally("outside", OUTSIDE.len() as u64, outside, |answer| answer.verdict == Verdict::Unlisted);
-    assert!(right >= 3);
+    tally("outside", [3, OUTSIDE.len() as u64], outside, |answer| answer.verdict == Verdict::Unlisted);
 }

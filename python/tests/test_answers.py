@@ -18,9 +18,10 @@ def test_a_diagnosis_is_the_commands_byte_for_byte(friction, model, answer):
     at_hand = pitchid.diagnose(pitchid.read(friction), model=model)
     assert at_hand.to_json() == printed
     assert answer.to_dict() == json.loads(printed)
-    without = run("diagnose", friction, "--section=I=5..30", "--section=IV=60..90", "--input", "interpolated", "--json", "-")
+    words = ["--section=I=5..30", "--section=IV=60..90", "--input", "interpolated"]
     options = {"sections": {"I": (5, 30), "IV": (60, 90)}, "input": "interpolated"}
-    assert pitchid.diagnose(friction, **options).to_json() == without
+    optional = run("diagnose", friction, "--model", model, *words, "--json", "-")
+    assert pitchid.diagnose(friction, model=model, **options).to_json() == optional
 
 
 @needs_command
