@@ -24,8 +24,10 @@ pub struct Run {
     pub held: bool,
     /// Input, in its unit.
     pub u: Vec<f64>,
-    /// What it does between the rows, where several samples were averaged into one and it keeps a value for longer.
+    /// What it does between the rows, where several samples were averaged into one.
     pub between: Option<MovingMean>,
+    /// Whether that is a cause of what the rows show, and no answer to it: see [`Run::known_between`].
+    pub leads: bool,
     /// Measured outputs: pitch rate in rad/s and pitch angle in rad, each if the data set has it.
     pub rate: Option<Vec<f64>>,
     /// See `rate`.
@@ -231,6 +233,7 @@ impl Dataset {
                     held: recording.input_hold == InputHold::Held,
                     u: cut(&recording.u),
                     between: None,
+                    leads: false,
                     rate: recording.q.as_deref().filter(|_| has_rate).map(cut),
                     angle: recording.theta.as_deref().filter(|_| has_angle).map(cut),
                     rate_limit: recording.q.as_deref().map_or(f64::INFINITY, rate_limit),

@@ -31,6 +31,7 @@ fn run(u: Vec<f64>) -> Run {
         step: STEP,
         held: true,
         between: None,
+        leads: false,
         rate: Some(vec![0.0; u.len()]),
         angle: Some(vec![0.0; u.len()]),
         rate_limit: f64::INFINITY,

@@ -193,3 +193,15 @@ fn a_thrust_beside_the_centre_of_gravity_is_a_trim_that_grows_with_it() {
         assert!(answer.effects.iter().all(|found| is_right(&found.parameters[0], c, 0.05)), "{seed}");
     }
 }
+
+/// Every tick of a controller is logged, and five are averaged into a row: the delay is as long as a row, and what the controller
+/// does within one drives the next.
+#[test]
+fn every_tick_of_a_loop_in_gusts_leaves_nothing_beside_the_exact_model() {
+    let mut flight =
+        FreeFlight { tick_s: 0.004, sigma: [0.01; 3], ..FreeFlight::new(41).expect("it exists") };
+    flight.effects = [Vec::new(), Vec::new(), Vec::new()];
+    let table = flight.fly().expect("it flies").table;
+    let answer = ask(&[pitch_of(&table, InputHold::Held)], None).answer;
+    assert_eq!(answer.verdict, Verdict::NoMismatch);
+}

@@ -8,6 +8,9 @@ use core::ops::Range;
 const THINNED_STEP: f64 = 0.02;
 /// Samples kept within the time over which the rate's autocorrelation falls to 0.8.
 const SAMPLES_PER_DECORRELATION: usize = 3;
+/// Delay in rows from which on the input between them is taken as it was: of what a controller makes of the motion within a row,
+/// hardly anything then acts in that row.
+const LEADING_ROWS: f64 = 0.75;
 
 impl Dataset {
     /// Averages blocks of samples where they are much denser than the motion is fast, down to [`THINNED_STEP`] at the
@@ -27,9 +30,26 @@ impl Dataset {
             self.thinned = factor;
         }
     }
+
+    /// The same with the input between the rows as it was, where that is news for a craft that answers it `delay` s later.
+    pub(crate) fn with_input_between(&self, delay: f64) -> Option<Self> {
+        let news = |run: &Run| run.between.is_some() && !run.leads && delay >= LEADING_ROWS * run.step;
+        if !self.runs.iter().any(news) {
+            return None;
+        }
+        let mut data = self.clone();
+        data.runs.iter_mut().for_each(|run| run.leads = true);
+        Some(data)
+    }
 }
 
 impl Run {
+    /// What the input does between the rows, where it comes before what the rows show: it keeps a value for longer than a row, or the
+    /// craft answers a row later. Otherwise a controller may have made it of the motion, and the noise, within that row.
+    pub(crate) fn known_between(&self) -> Option<&MovingMean> {
+        self.between.as_ref().filter(|_| self.leads)
+    }
+
     /// Whether the input keeps a value for `samples` or more in the mean. One that changes faster may answer the motion within a
     /// row, and is no cause of what it answers.
     pub(crate) fn holds_longer_than(&self, samples: usize) -> bool {
@@ -56,7 +76,8 @@ impl Run {
             step: factor as f64 * self.step,
             held: false,
             u: if self.held { held(&self.u) } else { sampled(&self.u) },
-            between: self.holds_longer_than(factor).then(|| MovingMean::new(&self.u, factor, self.held)),
+            between: Some(MovingMean::new(&self.u, factor, self.held)),
+            leads: self.holds_longer_than(factor),
             rate: self.rate.as_deref().map(sampled),
             angle: self.angle.as_deref().map(sampled),
             rate_limit: f64::INFINITY,
@@ -85,5 +106,29 @@ impl Run {
                 .filter(|(_, r)| r.start < r.end)
                 .collect(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{ReadOptions, parse};
+
+    /// Averaged by four to rows of 20 ms; the input changes every `hold` samples.
+    fn averaged(hold: usize) -> Dataset {
+        let row = |k: usize| format!("{:.3},{},0\n", 0.005 * k as f64, (k / hold * 7919) % 101);
+        let text = "t_s,u_N_m,q_rad_s\n".to_owned() + &(0..800).map(row).collect::<String>();
+        let recording = parse("flight.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
+        Dataset::at_step(&[recording], 0.02).unwrap()
+    }
+
+    #[test]
+    fn the_input_between_the_rows_is_known_where_it_cannot_answer_them() {
+        let [quick, slow] = [1, 40].map(averaged);
+        let known = |data: &Dataset| data.runs.iter().all(|run| run.known_between().is_some());
+        assert!(!known(&quick) && known(&slow));
+        assert!(quick.with_input_between(0.01).is_none(), "the craft answers within the row");
+        assert!(known(&quick.with_input_between(0.02).expect("it answers later")));
+        assert!(slow.with_input_between(0.02).is_none(), "no news");
     }
 }

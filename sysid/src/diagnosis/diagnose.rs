@@ -2,6 +2,7 @@
 
 use super::answer::{Answer, FitAnswer, Location, Verdict};
 use super::balance::Balance;
+use super::between_rows;
 use super::building::{build, model_answer};
 use super::candidates::Candidate;
 use super::ceiling::ceilings;
@@ -171,6 +172,10 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     let first = fit_baseline(&problem).ok_or_else(no_likelihood)?;
     if data_checks::is_of_the_controller(recordings, &problem, &first) {
         return input_first();
+    }
+    if let Some(data) = between_rows::known_between(&problem, &first, progress) {
+        progress("fitting again with the input as it was between the rows: what it moves comes later".into());
+        return answered(&Asked { recordings, data: &data, model, catalogue, progress }, baseline);
     }
     let information = Information::new(&problem, &first, &places).ok_or_else(no_likelihood)?;
     if let Some(reason) = excitation::too_weak(&problem, &first, &information) {

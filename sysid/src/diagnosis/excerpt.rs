@@ -63,6 +63,7 @@ fn cut(run: &Run, rows: Range<usize>) -> Run {
         start: run.time(rows.start),
         u: run.u[rows.clone()].to_vec(),
         between: run.between.as_ref().map(|mean| mean.cut(rows.clone())),
+        leads: run.leads,
         rate: of(&run.rate),
         angle: of(&run.angle),
         beside: Beside {

@@ -116,6 +116,7 @@ fn fly(
         sections: Vec::new(),
         u: excitation,
         between: None,
+        leads: false,
     };
     let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
     let model = problem.model(&unpacked, run.step)?;

@@ -18,7 +18,7 @@ pub fn is_of_the_hold(problem: &Problem<'_>, effect: &dyn Effect, p: &[f64], del
     if problem.baseline.delay_free && delay < -half_a_sample(problem) {
         return true;
     }
-    let known = |run: &Run| run.between.is_some() || run.holds_longer_than(STEPS);
+    let known = |run: &Run| run.known_between().is_some() || run.holds_longer_than(STEPS);
     if problem.data.runs.iter().all(known) {
         return false;
     }

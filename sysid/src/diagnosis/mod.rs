@@ -12,6 +12,7 @@ pub mod answer;
 pub mod axes;
 pub mod axis_words;
 mod balance;
+mod between_rows;
 mod building;
 pub mod candidates;
 mod ceiling;

@@ -130,6 +130,7 @@ pub fn at_rest(whole: &Run, u: Vec<f64>) -> Run {
         start: 0.0,
         u,
         between: None,
+        leads: false,
         rate: zeros(&whole.rate),
         angle: zeros(&whole.angle),
         rate_limit: f64::INFINITY,

@@ -38,7 +38,7 @@ impl Shift {
 
     /// The input of `run` over the substep; before its first row and after its last as it is there.
     pub fn mean(&self, run: &Run, k: usize) -> f64 {
-        match &run.between {
+        match run.known_between() {
             Some(mean) => mean.between(self.places(k)).1,
             None => self.over(&run.u, k),
         }
@@ -46,7 +46,7 @@ impl Shift {
 
     /// The same at the beginning and at the end of the substep.
     pub fn at_ends(&self, run: &Run, k: usize) -> [f64; 2] {
-        match &run.between {
+        match run.known_between() {
             Some(mean) => mean.between(self.places(k)).0,
             None => self.ends(&run.u, k),
         }

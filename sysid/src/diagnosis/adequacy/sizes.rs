@@ -57,6 +57,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         step: STEP,
         held: true,
         between: None,
+        leads: false,
         u: Vec::new(),
         rate: empty(),
         angle: empty(),

@@ -142,7 +142,8 @@ pub fn is_the_controller_alone(problem: &Problem<'_>, fit: &Fit, loops: &Loops) 
     problem.baseline.input_first && delay(problem, fit) <= problem.earliest() && loops.all_closed()
 }
 
-fn delay(problem: &Problem<'_>, fit: &Fit) -> f64 {
+/// Delay of the plant in `fit`, s.
+pub fn delay(problem: &Problem<'_>, fit: &Fit) -> f64 {
     problem.unpack(&fit.effects, &fit.minimum.values).plant.delay
 }
 
