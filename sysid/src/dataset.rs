@@ -26,7 +26,8 @@ pub struct Run {
     pub u: Vec<f64>,
     /// What it does between the rows, where several samples were averaged into one.
     pub between: Option<MovingMean>,
-    /// Whether that is a cause of what the rows show, and no answer to it: see [`Run::known_between`].
+    /// Whether that is a cause of what the rows show, and no answer to it: it keeps a value for longer than a row, or the craft
+    /// answers a row later.
     pub leads: bool,
     /// Measured outputs: pitch rate in rad/s and pitch angle in rad, each if the data set has it.
     pub rate: Option<Vec<f64>>,

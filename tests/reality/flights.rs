@@ -3,10 +3,11 @@
 use host_sim::{FreeFlight, Setting, Table, dirt};
 use sysid::diagnosis::answer::{Answer, Verdict};
 use sysid::diagnosis::axes::{AxisRecordings, shared_by};
+use sysid::diagnosis::data_checks::State;
 use sysid::model::file::ModelFile;
 use sysid::recording::{InputHold, ReadOptions, Recording, parse};
 
-use crate::{ask, effect, entry, ids, is_right, model_of, read, read_with};
+use crate::{ask, check, effect, entry, ids, is_right, model_of, read, read_with};
 
 const PITCH: usize = 1;
 
@@ -204,4 +205,5 @@ fn every_tick_of_a_loop_in_gusts_leaves_nothing_beside_the_exact_model() {
     let table = flight.fly().expect("it flies").table;
     let answer = ask(&[pitch_of(&table, InputHold::Held)], None).answer;
     assert_eq!(answer.verdict, Verdict::NoMismatch);
+    assert_eq!(check(&answer, "input_hold").state, State::RuledOut);
 }

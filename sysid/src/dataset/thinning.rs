@@ -38,7 +38,9 @@ impl Dataset {
             return None;
         }
         let mut data = self.clone();
-        data.runs.iter_mut().for_each(|run| run.leads = true);
+        for run in &mut data.runs {
+            run.leads |= news(run);
+        }
         Some(data)
     }
 }

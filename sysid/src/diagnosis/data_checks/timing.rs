@@ -105,13 +105,12 @@ pub fn hold(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
     const CAUSE: &str = "input_hold";
     let data = problem.data;
     if data.thinned > 1 {
-        return DataCheck::cannot_tell(
-            CAUSE,
-            format!(
-                "{} samples were averaged into one: what the input does between samples is not seen",
-                data.thinned
-            ),
-        );
+        let averaged = format!("{} samples were averaged into one", data.thinned);
+        return if data.runs.iter().all(|run| run.known_between().is_some()) {
+            DataCheck::ruled_out(CAUSE, averaged + ", with the input between as it was logged")
+        } else {
+            DataCheck::cannot_tell(CAUSE, averaged + ": what the input does between samples is not seen")
+        };
     }
     let held = data.runs.iter().all(|run| run.held);
     let share = repeated(problem);
