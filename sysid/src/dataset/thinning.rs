@@ -31,21 +31,29 @@ impl Dataset {
         }
     }
 
-    /// The same with the input between the rows as it was, where that is news for a craft that answers it `delay` s later.
+    /// Whether the input between the rows is news for a craft that answers it `delay` s later.
+    pub(crate) fn has_news_between(&self, delay: f64) -> bool {
+        self.runs.iter().any(|run| run.has_news_between(delay))
+    }
+
+    /// The same with the input between the rows as it was, where that is news.
     pub(crate) fn with_input_between(&self, delay: f64) -> Option<Self> {
-        let news = |run: &Run| run.between.is_some() && !run.leads && delay >= LEADING_ROWS * run.step;
-        if !self.runs.iter().any(news) {
+        if !self.has_news_between(delay) {
             return None;
         }
         let mut data = self.clone();
         for run in &mut data.runs {
-            run.leads |= news(run);
+            run.leads |= run.has_news_between(delay);
         }
         Some(data)
     }
 }
 
 impl Run {
+    fn has_news_between(&self, delay: f64) -> bool {
+        self.between.is_some() && !self.leads && delay >= LEADING_ROWS * self.step
+    }
+
     /// What the input does between the rows, where it comes before what the rows show: it keeps a value for longer than a row, or the
     /// craft answers a row later. Otherwise a controller may have made it of the motion, and the noise, within that row.
     pub(crate) fn known_between(&self) -> Option<&MovingMean> {

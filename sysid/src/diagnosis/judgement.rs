@@ -120,7 +120,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             let f_hz = values(finding).and_then(|p| finding.effect.acts_at_frequency(p));
             f_hz.is_some_and(|f_hz| input_has_line(problem, f_hz))
         };
-        let delay = problem.unpack(&fit.effects, &fit.minimum.values).plant.delay;
+        let delay = fit.delay(problem);
         let of_the_hold = |finding: &Finding| {
             values(finding).is_some_and(|p| is_of_the_hold(problem, finding.effect, p, delay))
         };

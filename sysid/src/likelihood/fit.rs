@@ -27,6 +27,11 @@ impl Fit {
         self.criterion() + parameters as f64 * (problem.count() as f64).ln()
     }
 
+    /// Delay of the plant, s.
+    pub fn delay(&self, problem: &Problem<'_>) -> f64 {
+        problem.unpack(&self.effects, &self.minimum.values).plant.delay
+    }
+
     /// Whether a parameter of the `i`-th effect stands at a bound of what physics allows: then it stands for something else.
     pub fn at_bound(&self, problem: &Problem<'_>, i: usize) -> bool {
         let coordinates = problem.coordinates(&self.effects);

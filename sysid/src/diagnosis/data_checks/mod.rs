@@ -129,7 +129,7 @@ pub fn of_fit(
 /// Whether `fit` has the motion come before the input, by more than averages over a row make of it, and the loop is closed: the
 /// fit is that of the controller then.
 pub fn is_of_the_controller(recordings: &[Recording], problem: &Problem<'_>, fit: &Fit) -> bool {
-    let delay = delay(problem, fit);
+    let delay = fit.delay(problem);
     let within_a_row = 0.5 * (1.0 - 1.0 / problem.data.thinned as f64) * problem.sizes.step;
     !problem.baseline.input_first
         && (delay < -within_a_row || delay <= problem.earliest())
@@ -139,12 +139,7 @@ pub fn is_of_the_controller(recordings: &[Recording], problem: &Problem<'_>, fit
 /// Whether the loop is closed and `fit`, with the input first, has the motion follow without any delay: nothing but the controller
 /// moves the input then.
 pub fn is_the_controller_alone(problem: &Problem<'_>, fit: &Fit, loops: &Loops) -> bool {
-    problem.baseline.input_first && delay(problem, fit) <= problem.earliest() && loops.all_closed()
-}
-
-/// Delay of the plant in `fit`, s.
-pub fn delay(problem: &Problem<'_>, fit: &Fit) -> f64 {
-    problem.unpack(&fit.effects, &fit.minimum.values).plant.delay
+    problem.baseline.input_first && fit.delay(problem) <= problem.earliest() && loops.all_closed()
 }
 
 /// The causes that only a fit can tell, where there is none.
