@@ -257,3 +257,13 @@ fn columns_after_are_there_only_where_something_was_added() {
     let without = page(&answer, &traces());
     assert!(!without.contains("What was added") && !without.contains("after, 95 %"));
 }
+
+#[test]
+fn where_the_inertia_is_not_known_no_part_of_the_answer_tells_a_moment() {
+    let mut told = answer();
+    told.effects[0].equation = "a step of 0.53 ± 0.27 N m at q = 0.12 rad/s".into();
+    told.remainder.as_mut().unwrap().equation = "M += 0.1 N m/rad θ".into();
+    told.tell_per_inertia();
+    let json = serde_json::to_string(&told).unwrap();
+    assert!(json.contains("0.27 rad/s² at") && json.contains("0.1 1/s² θ") && !json.contains("N m"), "{json}");
+}

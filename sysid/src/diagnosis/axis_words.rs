@@ -39,6 +39,10 @@ impl Answer {
         for text in self.words() {
             *text = per_inertia(text);
         }
+        let equations = self.effects.iter_mut().map(|effect| &mut effect.equation);
+        for equation in equations.chain(self.remainder.iter_mut().map(|remainder| &mut remainder.equation)) {
+            *equation = per_inertia(equation);
+        }
         let fits = [&mut self.fit.baseline, &mut self.fit.extended].map(|model| &mut model.parameters);
         let terms = self.effects.iter_mut().map(|effect| &mut effect.parameters);
         let left = self.remainder.iter_mut().map(|remainder| &mut remainder.parameters);
