@@ -103,12 +103,14 @@ impl Error {
                 Some(expected) if error.kind == ErrorKind::Model => format!("; expected {expected}"),
                 _ => String::new(),
             };
-            let told = also
-                .errors
-                .iter()
-                .map(move |error| format!("{}{}{}", Place(error), error.found, legal(error)));
+            let told = also.errors.iter().map(move |error| error.in_short() + &legal(error));
             told.chain((also.more > 0).then(|| format!("and {} more", also.more)))
         })
+    }
+
+    /// Place and what was found, without advice.
+    pub(crate) fn in_short(&self) -> String {
+        format!("{}{}", Place(self), self.found)
     }
 
     /// Names the file.

@@ -51,6 +51,43 @@ fn a_last_row_that_is_cut_off_is_left_out_and_told() {
     );
 }
 
+/// 400 rows at 50 Hz, some lines of the file (counted from 1) replaced.
+fn garbled(replaced: &[(usize, &[u8])]) -> Vec<u8> {
+    let row = |k: u32| format!("{},0.0{},0.{}", 0.02 * f64::from(k), 1 + k % 2, 100 + k % 7);
+    let mut lines = vec![b"t_s,u_rad,q_rad_s".to_vec()];
+    lines.extend((0..400).map(|k| row(k).into_bytes()));
+    replaced.iter().for_each(|(line, text)| lines[line - 1] = text.to_vec());
+    lines.join(&b'\n')
+}
+
+#[test]
+fn a_few_garbled_lines_are_left_out_and_told() {
+    let lines: [(usize, &[u8]); 3] =
+        [(50, b"t_s,u_rad,q_rad_s"), (100, b"1.96,0.0\xff\x801,0.1"), (300, &[0; 300])];
+    let options = ReadOptions::default();
+    let recording = parse("good.csv", &garbled(&lines), &options).unwrap();
+    let missing = notes(&recording, NoteKind::Missing);
+    let told = "3 lines of 400 garbled, what should stand there taken as missing: line 50: the header again; line 100, \
+                column u_rad: found \"0.0\u{fffd}\u{fffd}1\"; line 300: 1 field";
+    assert_eq!(missing[0], told);
+    assert!(missing[1].contains("left out as a gap (line 100)"), "{missing:?}");
+    let whole = parse("good.csv", &garbled(&[]), &options).unwrap();
+    assert_eq!((recording.t.first(), recording.t.len()), (whole.t.first(), whole.t.len()));
+}
+
+#[test]
+fn many_garbled_lines_are_refused() {
+    let five: Vec<(usize, &[u8])> = (0..5).map(|k| (50 * (k + 1), &b"reset"[..])).collect();
+    let error = parse("bad.csv", &garbled(&five), &ReadOptions::default()).unwrap_err().to_string();
+    assert!(
+        error.starts_with("bad.csv, line 50: 1 field") && error.contains("also: line 250: 1 field"),
+        "{error}"
+    );
+    let bytes: Vec<(usize, &[u8])> = (0..5).map(|k| (50 * (k + 1), &b"0,0.1,\0"[..])).collect();
+    let error = parse("bad.csv", &garbled(&bytes), &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("a binary file (zero byte at offset"), "{error}");
+}
+
 #[test]
 fn a_clean_recording_is_left_alone() {
     let recording = good(&motion(&uniform(200), 1.0, 1.0));
@@ -397,7 +434,7 @@ fn signals_without_a_file_keep_their_names_and_have_no_lines() {
 
     let refused = |t: Vec<f64>, signals| from_signals("flight.bin", t, signals, &options).unwrap_err();
     let mut back = t.clone();
-    back[30] = 1.0;
+    back[30..].iter_mut().for_each(|t| *t -= 5.0);
     let error = refused(back, signals());
     assert_eq!((error.line, error.file.as_deref()), (None, Some("flight.bin")));
     assert!(error.found.contains("backwards"), "{error}");

@@ -265,5 +265,8 @@ fn where_the_inertia_is_not_known_no_part_of_the_answer_tells_a_moment() {
     told.remainder.as_mut().unwrap().equation = "M += 0.1 N m/rad θ".into();
     told.tell_per_inertia();
     let json = serde_json::to_string(&told).unwrap();
-    assert!(json.contains("0.27 rad/s² at") && json.contains("0.1 1/s² θ") && !json.contains("N m"), "{json}");
+    assert!(
+        json.contains("0.27 rad/s² at") && json.contains("0.1 1/s² θ") && !json.contains("N m"),
+        "{json}"
+    );
 }

@@ -110,7 +110,7 @@ fn missing(values: &[f64]) -> Vec<usize> {
 }
 
 /// The lines of these rows, for a message.
-fn lines(lines: &[u32], rows: &[usize]) -> String {
+pub(super) fn lines(lines: &[u32], rows: &[usize]) -> String {
     let mut stretches: Vec<[usize; 2]> = Vec::new();
     for &row in rows {
         match stretches.last_mut() {
@@ -133,7 +133,7 @@ fn lines(lines: &[u32], rows: &[usize]) -> String {
 }
 
 /// A note over the rows, as far as their times are known.
-fn over(t: &[f64], first: usize, last: usize, text: String) -> Note {
+pub(super) fn over(t: &[f64], first: usize, last: usize, text: String) -> Note {
     let known = |row: &usize| !t[*row].is_nan();
     let before = (0..=first).rev().find(known).or_else(|| (first..t.len()).find(known));
     let after = (last..t.len()).find(known).or_else(|| (0..=last).rev().find(known));

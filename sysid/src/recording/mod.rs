@@ -24,6 +24,7 @@ pub(crate) mod plateaus;
 pub(crate) mod rate_and_angle;
 mod sections;
 mod sniff;
+mod stray_stamps;
 mod table;
 mod wild;
 mod write;
@@ -230,6 +231,7 @@ fn on_grid(
     options: &ReadOptions,
     mut notes: Vec<Note>,
 ) -> Result<Recording, Error> {
+    stray_stamps::leave_out(&mut table, &mut notes);
     sections::relabel(&mut table, options, &mut notes)?;
     wild::bridge(&mut table, &mut notes);
     let mut grid = clock::onto_grid(&mut table, options, &mut notes)?;

@@ -1,6 +1,8 @@
 //! Tells what a file is when it is no recording: flight logs, archives, other encodings, other separators.
 
+use super::table::LINES_PER_GARBLED;
 use crate::error::{Error, ErrorKind};
+use std::borrow::Cow;
 
 /// First bytes, what they mean, what to do.
 const SIGNATURES: [(&[u8], &str, &str); 11] = [
@@ -22,8 +24,9 @@ const SIGNATURES: [(&[u8], &str, &str); 11] = [
 ];
 const LOG_ADVICE: &str = "give it to pitchid show, diagnose or identify, which read it as it is";
 
-/// The text without its byte order mark, if these bytes can be a CSV file at all.
-pub(super) fn text(bytes: &[u8]) -> Result<&str, Error> {
+/// The text without its byte order mark, if these bytes can be a CSV file at all. In a few garbled lines U+FFFD stands for what is no
+/// text.
+pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
     if bytes.is_empty() {
         return Err(Error::new(
             ErrorKind::Format,
@@ -37,6 +40,9 @@ pub(super) fn text(bytes: &[u8]) -> Result<&str, Error> {
         return Err(
             Error::new(ErrorKind::Format, format!("this is {what}"), *advice).expecting("a UTF-8 CSV file")
         );
+    }
+    if garbled_lines(bytes).is_some_and(|few| few > 0) {
+        return Ok(unmarked(String::from_utf8_lossy(bytes)));
     }
     if let Some(offset) = bytes.iter().position(|&b| b == 0) {
         let found = format!("a binary file (zero byte at offset {offset})");
@@ -53,7 +59,30 @@ pub(super) fn text(bytes: &[u8]) -> Result<&str, Error> {
             .at_line(line_at(bytes, offset))
             .expecting("a UTF-8 CSV file")
     })?;
-    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
+    Ok(unmarked(text.into()))
+}
+
+fn unmarked(text: Cow<'_, str>) -> Cow<'_, str> {
+    const MARK: char = '\u{feff}';
+    match text {
+        Cow::Borrowed(text) => Cow::Borrowed(text.strip_prefix(MARK).unwrap_or(text)),
+        Cow::Owned(text) => Cow::Owned(text.strip_prefix(MARK).map_or(text.clone(), str::to_owned)),
+    }
+}
+
+/// How many lines hold bytes that are no text, where they are few and the first is none of them.
+fn garbled_lines(bytes: &[u8]) -> Option<usize> {
+    let is_text = |line: &[u8]| !line.contains(&0) && std::str::from_utf8(line).is_ok();
+    let mut lines = bytes.split(|&b| b == b'\n');
+    if !lines.next().is_some_and(is_text) {
+        return None;
+    }
+    let (mut all, mut garbled) = (1, 0);
+    for line in lines {
+        all += 1;
+        garbled += usize::from(!is_text(line));
+    }
+    (garbled * LINES_PER_GARBLED <= all).then_some(garbled)
 }
 
 fn line_at(bytes: &[u8], offset: usize) -> usize {

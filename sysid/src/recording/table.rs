@@ -5,12 +5,17 @@ use std::collections::BTreeMap;
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 use super::assign::{ROW, Source, assign};
+use super::clock::counted;
 use super::columns::{KNOWN_COLUMNS, Role};
 use super::expression::Expression;
 use super::options::{ColumnMap, ReadOptions};
 use super::{Note, NoteKind, missing, sniff};
 use crate::error::{Error, ErrorKind, quote};
 
+/// Of so many lines one may be garbled, as a serial line or a full card leaves them: what it lacks is a gap. More are an error.
+pub(super) const LINES_PER_GARBLED: usize = 100;
+/// Garbled lines that a note tells.
+const GARBLED_TOLD: usize = 5;
 /// A number beyond this is no measurement in SI units.
 pub(super) const LARGEST_VALUE: f64 = 1e9;
 /// Time stamps may be nanoseconds since 1970; their unit is judged from the step.
@@ -184,7 +189,8 @@ fn content_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 
 /// The names of the columns.
 pub(super) fn header(bytes: &[u8]) -> Result<Vec<String>, Error> {
-    let mut lines = content_lines(sniff::text(bytes)?);
+    let text = sniff::text(bytes)?;
+    let mut lines = content_lines(&text);
     Ok(header_of(lines.next(), lines.next())?.2)
 }
 
@@ -213,7 +219,7 @@ fn header_of(
 /// Reads header and rows; errors carry line and column, the caller adds the file.
 pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -> Result<Table, Error> {
     let text = sniff::text(bytes)?;
-    let mut lines = content_lines(text).peekable();
+    let mut lines = content_lines(&text).peekable();
     let first = lines.next();
     let (header_line, mut splitter, header) = header_of(first, lines.peek().copied())?;
     let header_length = first.map_or(1, |(_, line)| line.len().max(1));
@@ -226,9 +232,14 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -
     let mut filler = Filler::new(header.clone(), sources, text.len() / header_length);
     let mut wrong = Wrong::default();
     let ends = text.ends_with(['\n', '\r']);
+    let mut rows = 0;
     while let Some((number, line)) = lines.next() {
+        rows += 1;
         match splitter.split(line) {
             Err(error) => wrong.add(error, number),
+            Ok(()) if first.is_some_and(|(_, header)| header == line) => {
+                wrong.add(Error::new(ErrorKind::Format, "the header again", "delete the line"), number);
+            }
             // whoever wrote it was cut off in the middle of a row
             Ok(()) if splitter.fields < header.len() && !ends && lines.peek().is_none() => {
                 let (found, wanted) = (splitter.fields, header.len());
@@ -243,6 +254,10 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -
             Ok(()) => filler.push(&splitter, number, &mut wrong),
         }
     }
+    if wrong.lines * LINES_PER_GARBLED <= rows {
+        notes.extend(wrong.note(rows));
+        return Ok(filler.table);
+    }
     match Error::of_several(wrong.errors, wrong.count) {
         Some(error) => Err(error),
         None => Ok(filler.table),
@@ -255,14 +270,35 @@ struct Wrong {
     /// The first of them.
     errors: Vec<Error>,
     count: usize,
+    /// Lines that they stand in.
+    lines: usize,
+    last: usize,
 }
 
 impl Wrong {
     fn add(&mut self, error: Error, line: usize) {
         self.count += 1;
+        self.lines += usize::from(line != self.last);
+        self.last = line;
         if self.errors.len() < Error::MOST_TOLD {
             self.errors.push(error.at_line(line));
         }
+    }
+}
+
+impl Wrong {
+    /// What is left out of `rows` rows.
+    fn note(&self, rows: usize) -> Option<Note> {
+        let mut told: Vec<String> = self.errors.iter().take(GARBLED_TOLD).map(Error::in_short).collect();
+        if self.count > told.len() {
+            told.push("...".into());
+        }
+        let text = format!(
+            "{} of {rows} garbled, what should stand there taken as missing: {}",
+            counted(self.lines, "line"),
+            told.join("; ")
+        );
+        (self.lines > 0).then(|| Note::new(NoteKind::Missing, text))
     }
 }
 
@@ -272,7 +308,7 @@ fn wrong_width(found: usize, expected: usize) -> Error {
     } else {
         "complete the row, or delete it: a log that was cut off often ends in half a row"
     };
-    Error::new(ErrorKind::Format, format!("{found} fields"), advice)
+    Error::new(ErrorKind::Format, counted(found, "field"), advice)
         .expecting(format!("{expected} fields, as the header has"))
 }
 

@@ -1,0 +1,67 @@
+//! Single time stamps that a garbled line or a swap of two rows has put out of order, between neighbours that are in order.
+
+use super::missing::{lines, over};
+use super::table::{LINES_PER_GARBLED, Table};
+use super::{Note, clock::counted};
+
+/// Leaves out the rows of such stamps, where they are few; a clock that is set back, or that never grows, is left to be refused.
+pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) {
+    let Some(strays) = strays(&table.t) else { return };
+    let (Some(&first), Some(&last)) = (strays.first(), strays.last()) else { return };
+    if strays.len() * LINES_PER_GARBLED > table.t.len() {
+        return;
+    }
+    let text = format!(
+        "{} out of order in time: left out as a gap ({})",
+        counted(strays.len(), "row"),
+        lines(&table.lines, &strays)
+    );
+    let inside = [first.saturating_sub(1), (last + 1).min(table.t.len() - 1)];
+    notes.push(over(&table.t, inside[0], inside[1], text));
+    table.remove(&strays);
+}
+
+/// Rows without which time does not run backwards; `None` where no single rows are to blame.
+fn strays(t: &[f64]) -> Option<Vec<usize>> {
+    let mut strays: Vec<usize> = Vec::new();
+    for row in (1..t.len()).filter(|&row| t[row] < t[row - 1]) {
+        let early = row < 2 || t[row - 2] < t[row];
+        let late = row + 1 == t.len() || t[row - 1] < t[row + 1];
+        match (early, late) {
+            (true, true) => strays.push(if is_further_off(t, row) { row } else { row - 1 }),
+            (true, false) => strays.push(row - 1),
+            (false, true) => strays.push(row),
+            (false, false) => return None,
+        }
+    }
+    let kept = (0..t.len()).filter(|row| strays.binary_search(row).is_err());
+    kept.map(|row| t[row]).is_sorted().then_some(strays)
+}
+
+/// Whether `row` lies further than the one before it from where an even clock has it, by the rows around both.
+fn is_further_off(t: &[f64], row: usize) -> bool {
+    let (Some(&from), Some(&to)) = (row.checked_sub(2).and_then(|before| t.get(before)), t.get(row + 1))
+    else {
+        return row + 1 == t.len();
+    };
+    let off = |row: usize, share: f64| (t[row] - from - share * (to - from)).abs();
+    off(row, 2.0 / 3.0) > off(row - 1, 1.0 / 3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::strays;
+
+    #[test]
+    fn single_rows_are_to_blame_and_a_clock_that_is_set_back_is_not() {
+        assert_eq!(strays(&[0.0, 1.0, 2.0, 3.0]), Some(vec![]));
+        assert_eq!(strays(&[0.0, 1.0, 20.0, 3.0, 4.0]), Some(vec![2]));
+        assert_eq!(strays(&[0.0, 1.0, 0.2, 3.0, 4.0]), Some(vec![2]));
+        assert_eq!(strays(&[0.0, 2.0, 1.0, 3.0]), Some(vec![1]), "two rows that changed places");
+        assert_eq!(strays(&[9.0, 1.0, 2.0, 3.0, 0.5]), Some(vec![0, 4]));
+        assert_eq!(strays(&[5.0, 6.0, 7.0, 0.0, 1.0, 2.0]), None);
+        assert_eq!(strays(&[0.0, 9.0, 1.0, 2.0, 0.5, 3.0]), Some(vec![1, 4]));
+        assert_eq!(strays(&[0.0, 1.0, 0.9, 0.8, 2.0]), Some(vec![1, 3]));
+        assert_eq!(strays(&[9.0, 8.0, 7.0, 6.0]), None);
+    }
+}
