@@ -1,7 +1,11 @@
 //! Input and output are stamped by two clocks.
 
-use crate::dataset::Amplitudes;
+use crate::dataset::{Amplitudes, Dataset};
+use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Class, Conditions, Effect, Locus, Parameter, Scale};
+
+/// With fewer changes of the input the delay could differ from one way to the other as well.
+const FEWEST_CHANGES: usize = 4;
 
 /// u_logged(t) = u(t (1 + ε)): the apparent delay is τ + ε t.
 pub struct ClockSkew;
@@ -16,6 +20,10 @@ impl Effect for ClockSkew {
             variable: "t",
             condition: "more and more towards the end of the recording, after each switch of the input",
         }
+    }
+    /// A line through the delays of a few steps, of which some go up and some down, is no drift.
+    fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
+        data.changes_of_input() >= FEWEST_CHANGES
     }
     fn parameters(&self, _data: &Amplitudes) -> Vec<Parameter> {
         vec![Parameter {

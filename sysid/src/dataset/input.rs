@@ -1,6 +1,7 @@
 //! How the input moves.
 
-use super::Dataset;
+use super::{Dataset, Run};
+use core::cmp::Ordering;
 
 /// Share of the rows at one value from which on an input stands still.
 const STANDS: f64 = 0.9;
@@ -11,6 +12,16 @@ impl Dataset {
         let mut all = self.runs.iter().flat_map(|run| &run.u);
         let first = all.next();
         all.any(|u| Some(u) != first)
+    }
+
+    /// How often the input changes: steps, or ramps each way.
+    pub(crate) fn changes_of_input(&self) -> usize {
+        let of_run = |run: &Run| {
+            let moves = run.u.windows(2).map(|pair| (pair[1] - pair[0]).partial_cmp(&0.0));
+            let moves: Vec<_> = moves.collect();
+            moves.chunk_by(|a, b| a == b).filter(|stretch| stretch[0] != Some(Ordering::Equal)).count()
+        };
+        self.runs.iter().map(of_run).sum()
     }
 
     /// Whether the input moves for more than a tenth of the time: less is a step or two, or one value a run, whose spread over all
@@ -43,6 +54,21 @@ pub(super) fn has_two_levels<'a>(mut input: impl Iterator<Item = &'a f64>) -> bo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::data_checks::fixture::flight;
+
+    #[test]
+    fn a_ramp_is_one_change() {
+        let mut flown = flight(1, 0.0);
+        let changes = |u: &dyn Fn(usize) -> f64| {
+            flown.u.iter_mut().enumerate().for_each(|(k, value)| *value = u(k));
+            Dataset::new(&[flown.recording()]).unwrap().changes_of_input()
+        };
+        let mut changes = changes;
+        assert_eq!(changes(&|_| 0.01), 0);
+        assert_eq!(changes(&|k| if (100..300).contains(&k) { 0.01 } else { 0.0 }), 2);
+        assert_eq!(changes(&|k| 1e-4 * (k.clamp(100, 200) - 100) as f64), 1);
+        assert_eq!(changes(&|k| 1e-4 * 100usize.abs_diff(k.min(200)) as f64), 2);
+    }
 
     #[test]
     fn an_input_of_two_levels_has_no_third() {

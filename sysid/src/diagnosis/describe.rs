@@ -139,26 +139,30 @@ fn mean_vaf(answer: &Answer, of: &dyn Fn(&HeldOutAnswer) -> &VafAnswer, horizon:
 fn figures(answer: &Answer, after: bool) -> String {
     let vaf =
         |horizon| [mean_vaf(answer, &|h| &h.baseline, horizon), mean_vaf(answer, &|h| &h.extended, horizon)];
+    let vaf = |horizon| vaf(horizon).map(in_percent);
     let ([near, near_after], [before, later]) = (vaf(Some("1.0")), vaf(None));
     let gusts = answer.fit.predicted == Some(Predicted::Near);
     let sections =
         if answer.fit.held_out.len() == 1 { "the section held out" } else { "sections held out in turn" };
     if gusts {
         let [short, short_after] = vaf(Some("0.1"));
-        let figures = if after {
-            format!("{short:.1} % before and {short_after:.1} % after")
-        } else {
-            format!("{short:.1} %")
-        };
-        let past = mean(answer, |part| Some(part.past_alone));
-        format!("VAF on {sections}: 0.1 s ahead {figures}, of the past of the motion alone {past:.1} %")
+        let figures = if after { format!("{short} before and {short_after} after") } else { short };
+        let past = in_percent(mean(answer, |part| Some(part.past_alone)));
+        format!("VAF on {sections}: 0.1 s ahead {figures}, of the past of the motion alone {past}")
     } else if after {
         format!(
-            "VAF on {sections}: 1 s ahead {near:.1} % before and {near_after:.1} % after, free run {before:.1} % and {later:.1} %"
+            "VAF on {sections}: 1 s ahead {near} before and {near_after} after, free run {before} and {later}"
         )
     } else {
-        format!("VAF on {sections}: 1 s ahead {near:.1} %, free run {before:.1} %")
+        format!("VAF on {sections}: 1 s ahead {near}, free run {before}")
     }
+}
+
+/// A VAF with as many digits as what it leaves of a hundred takes: a smooth motion is told to its last thousandths by anything.
+fn in_percent(vaf: f64) -> String {
+    const MOST: f64 = 6.0;
+    let decimals = (-(100.0 - vaf).log10()).ceil().clamp(1.0, MOST);
+    format!("{vaf:.*} %", if vaf < 100.0 { decimals as usize } else { 1 })
 }
 
 fn capital(text: &str) -> String {
@@ -180,4 +184,15 @@ pub fn in_a_phrase(effect: &EffectAnswer) -> String {
     let Some(known) = find(&effect.id) else { return effect.equation.clone() };
     let parameters: Vec<String> = effect.parameters.iter().map(Estimate::to_string).collect();
     format!("{} ({}: {})", known.about().sentence, effect.id, parameters.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_percent;
+
+    #[test]
+    fn a_figure_near_a_hundred_keeps_what_it_leaves() {
+        let told = [0.0, 82.44, 99.8, 99.95, 99.998_71, 100.0, 99.999_999_99].map(in_percent);
+        assert_eq!(told, ["0.0 %", "82.4 %", "99.8 %", "99.95 %", "99.999 %", "100.0 %", "100.000000 %"]);
+    }
 }

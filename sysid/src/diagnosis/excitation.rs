@@ -20,9 +20,10 @@ const STRETCH_S: f64 = 1.0;
 /// Memory of that model, s.
 const FIR_MEMORY_S: f64 = 1.0;
 
-/// Length of all sections in stretches without a gap that are long enough, s.
+/// Length of all sections in stretches that are long enough where there are gaps, s.
 fn seconds(data: &Dataset) -> f64 {
-    let places = data.places().into_iter().filter(|place| is_stretch(&data.runs[place.run]));
+    let whole = data.runs.len() == 1;
+    let places = data.places().into_iter().filter(|place| whole || is_stretch(&data.runs[place.run]));
     let lengths = places.map(|place| place.rows.len() as f64 * data.runs[place.run].step);
     // the sum of nothing is −0.0, which would be told
     lengths.fold(0.0, |all, seconds| all + seconds)
@@ -46,8 +47,9 @@ pub fn is_short(data: &Dataset) -> Option<String> {
 pub fn too_little(problem: &Problem<'_>) -> Option<String> {
     let seconds = seconds(problem.data);
     if seconds < SHORTEST_S {
-        let all = problem.data.runs.iter().all(is_stretch);
-        let between = if all { "" } else { " in stretches of a second and more between the gaps" };
+        let runs = &problem.data.runs;
+        let gaps = runs.len() > 1 && !runs.iter().all(is_stretch);
+        let between = if gaps { " in stretches of a second and more between the gaps" } else { "" };
         return Some(format!(
             "The data cannot tell: {seconds:.1} s of excitation{between} are too short, at least {SHORTEST_S} s are needed (a hundred \
              are good)."

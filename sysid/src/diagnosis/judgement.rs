@@ -109,8 +109,20 @@ impl<'p, 'd> Judgement<'p, 'd> {
             is_clear(finding.effect, &rotation.gain(finding.effect.about().id).unwrap_or_default())
         };
         let all: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
+        let in_every = |finding: &Finding| chosen(finding) == rotation.parts.len();
+        let minor: Vec<bool> = (named.iter().enumerate())
+            .map(|(i, finding)| {
+                let chosen = [chosen(finding), rotation.parts.len()];
+                i > 0 && (is_minor(finding.share, chosen, clear(finding)) || immaterial[i])
+            })
+            .collect();
+        // What a name means beside the others is asked where those that are no names are out.
+        let (left, kept): (Vec<_>, Vec<_>) = named.iter().cloned().enumerate().partition(|(i, _)| minor[*i]);
+        let without_minor = with_names_alone(problem, fit, &kept, left.iter().map(|(_, f)| f));
+        let meant = without_minor.as_ref().unwrap_or(fit);
         let values = |finding: &Finding| {
-            fit.range_of(problem, finding.effect.about().id).and_then(|own| fit.minimum.values.get(own))
+            let id = finding.effect.about().id;
+            [meant, fit].into_iter().find_map(|fit| fit.minimum.values.get(fit.range_of(problem, id)?))
         };
         let accounted = |finding: &Finding| {
             values(finding)
@@ -120,7 +132,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             let f_hz = values(finding).and_then(|p| finding.effect.acts_at_frequency(p));
             f_hz.is_some_and(|f_hz| input_has_line(problem, f_hz))
         };
-        let delay = fit.delay(problem);
+        let delay = meant.delay(problem);
         let of_the_hold = |finding: &Finding| {
             values(finding).is_some_and(|p| is_of_the_hold(problem, finding.effect, p, delay))
         };
@@ -131,11 +143,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
                 || of_the_hold(finding)
                 || values(finding).is_some_and(|p| is_event(finding.effect, p))
         };
-        let in_every = |finding: &Finding| chosen(finding) == rotation.parts.len();
-        let is_small = |(i, finding): &(usize, Finding)| {
-            let minor = is_minor(finding.share, in_every(finding), clear(finding));
-            *i > 0 && (minor || immaterial[*i]) || barred(*i, finding)
-        };
+        let is_small = |(i, finding): &(usize, Finding)| minor[*i] || barred(*i, finding);
         let (mut small, mut named): (Vec<_>, Vec<_>) = named.into_iter().enumerate().partition(is_small);
         let alone = |named: &[(usize, Finding)], small: &[(usize, Finding)]| {
             with_names_alone(problem, fit, named, small.iter().map(|(_, f)| f).chain(&shapes))
@@ -188,7 +196,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             named: named.len() + usize::from(gust.is_some()),
             shapes: shapes.len(),
             rivals: named.iter().any(|finding| !finding.rivals.is_empty()),
-            unstable: named.iter().any(|finding| chosen(finding) == 0 || !clear(finding)),
+            unstable: named.iter().any(|f| 2 * chosen(f) < rotation.parts.len() || !clear(f)),
             closed,
             unseen: little_seen && (fed_back || named.iter().any(|f| is_of_the_input(f.effect))),
             gained_by_names,
@@ -313,10 +321,11 @@ fn is_clear(effect: &dyn Effect, held_out: &TermGain) -> bool {
     effect.ends_at().is_some() || gain > HELD_OUT_ERRORS * error || held_out.signed_rank > HELD_OUT_ERRORS
 }
 
-/// Whether a name beside a larger one is told as a remainder: a small one that not every rotation chooses, a very small one, and
-/// one that is not `clear`.
-fn is_minor(share: f64, every_rotation: bool, clear: bool) -> bool {
-    share < 1.0 - MATERIAL && !every_rotation || share < WORTH_A_NAME || !clear
+/// Whether a name beside a larger one is told as a remainder, `chosen` in so many of so many rotations: one that no majority chooses
+/// (stability selection: Meinshausen and Bühlmann, J. R. Stat. Soc. B 72, 2010), a small one that not every rotation chooses, a very
+/// small one, and one that is not `clear`.
+fn is_minor(share: f64, [chosen, of]: [usize; 2], clear: bool) -> bool {
+    2 * chosen <= of || share < 1.0 - MATERIAL && chosen < of || share < WORTH_A_NAME || !clear
 }
 
 /// Whether a name mends the form of one of those `before` it: what the data hardly tell from the first of its class, and what closes

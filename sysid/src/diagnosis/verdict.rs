@@ -27,8 +27,7 @@ pub struct Grounds {
     pub shapes: usize,
     /// Whether a named term has a rival that the data cannot rule out.
     pub rivals: bool,
-    /// Whether a named term is chosen by none of the rotations (without any one of the sections it is not seen), or gains no more
-    /// on held-out data than chance gives.
+    /// Whether a named term is chosen by fewer than half of the rotations, or gains no more on held-out data than chance gives.
     pub unstable: bool,
     /// Whether most of the motion does not follow from the input, and the loop was closed unsaid, or a name is known by how it does.
     pub unseen: bool,

@@ -233,10 +233,11 @@ fn a_name_is_clear_by_what_it_gains_or_by_how_often_it_gains() {
 #[test]
 fn a_name_beside_a_larger_one_is_minor_where_it_is_small_and_not_sure() {
     let small = 1.0 - MATERIAL - 0.01;
-    assert!(is_minor(small, false, true) && !is_minor(small, true, true));
-    assert!(!is_minor(1.0 - MATERIAL, false, true), "a fifth is not small");
-    assert!(is_minor(WORTH_A_NAME - 0.001, true, true) && !is_minor(WORTH_A_NAME, true, true));
-    assert!(is_minor(0.5, true, false), "not clear");
+    assert!(is_minor(small, [3, 4], true) && !is_minor(small, [4, 4], true));
+    assert!(!is_minor(1.0 - MATERIAL, [3, 4], true), "a fifth is not small");
+    assert!(is_minor(0.9, [2, 4], true) && !is_minor(0.9, [2, 3], true), "no majority chooses it");
+    assert!(is_minor(WORTH_A_NAME - 0.001, [4, 4], true) && !is_minor(WORTH_A_NAME, [4, 4], true));
+    assert!(is_minor(0.5, [4, 4], false), "not clear");
 }
 
 #[test]
@@ -273,7 +274,7 @@ fn a_sure_small_lag_beside_a_larger_one_is_told_as_what_is_left() {
             assert_eq!((ids(&judgement.named), ids(&judgement.small)), (vec!["gyro_lag"], vec!["servo_lag"]));
             let (share, gain) = (judgement.small[0].share, judgement.rotation.gain("servo_lag").unwrap());
             let clear = is_clear(judgement.small[0].effect, &gain);
-            assert!(!is_minor(share, gain.chosen_in_kind == 4, clear) && share < 1.0 - MATERIAL, "{share}");
+            assert!(!is_minor(share, [gain.chosen_in_kind, 4], clear) && share < 1.0 - MATERIAL, "{share}");
         },
     );
 }
