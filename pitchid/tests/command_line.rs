@@ -120,19 +120,22 @@ fn completions_and_manual_pages_know_every_command() {
 #[test]
 fn malformed_tables_are_refused_with_their_place() {
     let bench = Bench::new();
-    let cell = |row: usize, column: usize, value: &str| {
+    let cells = |rows: std::ops::Range<usize>, column: usize, value: &str| {
         let value = value.to_owned();
         table(200, move |k, cells| {
-            if k == row {
+            if rows.contains(&k) {
                 cells[column].clone_from(&value);
             }
         })
     };
+    let cell = |row: usize, column: usize, value: &str| cells(row..row + 3, column, value);
+    let short_rows =
+        |k: usize, cells: &mut Vec<String>| cells.truncate(if (3..6).contains(&k) { 2 } else { 3 });
     let cases: [(&str, String, &[&str]); 7] = [
         ("text.csv", cell(7, 2, "abc"), &["line 9", "q_rad_s", "abc"]),
         ("text.csv", cell(11, 1, "abc"), &["line 13", "u_rad"]),
         ("backwards.csv", cell(50, 0, "0.10"), &["line 52", "t_s"]),
-        ("short_row.csv", table(200, |k, cells| cells.truncate(if k == 3 { 2 } else { 3 })), &["line 5"]),
+        ("short_rows.csv", table(200, short_rows), &["line 5", "line 7"]),
         ("no_input.csv", table(200, |_, _| ()).replace("u_rad", "stick"), &["u_rad"]),
         ("short.csv", table(4, |_, _| ()), &["4 samples"]),
         ("empty.csv", String::new(), &[]),
@@ -145,6 +148,11 @@ fn malformed_tables_are_refused_with_their_place() {
             assert_names(&message, parts);
         }
     }
+    bench.write("one.csv", &cells(7..8, 2, "abc"));
+    assert_names(
+        &bench.answered(&["show", "one.csv"]),
+        &["1 line of 200 garbled", "line 9", "abc", "as a gap"],
+    );
 }
 
 #[test]

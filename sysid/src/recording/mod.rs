@@ -16,6 +16,7 @@ mod cut;
 mod even_rows;
 mod export;
 mod expression;
+mod garbled;
 mod in_memory;
 mod matlab;
 mod missing;

@@ -1,6 +1,6 @@
 //! Tells what a file is when it is no recording: flight logs, archives, other encodings, other separators.
 
-use super::table::LINES_PER_GARBLED;
+use super::garbled::are_few;
 use crate::error::{Error, ErrorKind};
 use std::borrow::Cow;
 
@@ -22,6 +22,7 @@ const SIGNATURES: [(&[u8], &str, &str); 11] = [
     (&[0xFF, 0xFE], "UTF-16 text", "save it as UTF-8"),
     (&[0xFE, 0xFF], "UTF-16 text", "save it as UTF-8"),
 ];
+const MARK: char = '\u{feff}';
 const LOG_ADVICE: &str = "give it to pitchid show, diagnose or identify, which read it as it is";
 
 /// The text without its byte order mark, if these bytes can be a CSV file at all. In a few garbled lines U+FFFD stands for what is no
@@ -41,48 +42,39 @@ pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
             Error::new(ErrorKind::Format, format!("this is {what}"), *advice).expecting("a UTF-8 CSV file")
         );
     }
-    if garbled_lines(bytes).is_some_and(|few| few > 0) {
-        return Ok(unmarked(String::from_utf8_lossy(bytes)));
+    let zero = bytes.iter().position(|&b| b == 0);
+    let text = std::str::from_utf8(bytes);
+    match (zero, text) {
+        (None, Ok(text)) => return Ok(Cow::Borrowed(text.strip_prefix(MARK).unwrap_or(text))),
+        _ if has_few_garbled(bytes) => {
+            let text = String::from_utf8_lossy(bytes);
+            return Ok(Cow::Owned(text.strip_prefix(MARK).unwrap_or(&text).to_owned()));
+        }
+        _ => {}
     }
-    if let Some(offset) = bytes.iter().position(|&b| b == 0) {
+    if let Some(offset) = zero {
         let found = format!("a binary file (zero byte at offset {offset})");
         let advice = "convert the log to CSV with the columns of the recording format first";
         return Err(Error::new(ErrorKind::Format, found, advice)
             .at_line(line_at(bytes, offset))
             .expecting("a UTF-8 CSV file"));
     }
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        let offset = error.valid_up_to();
-        let byte = bytes.get(offset).copied().unwrap_or_default();
-        let found = format!("not UTF-8: byte 0x{byte:02x} at offset {offset}");
-        Error::new(ErrorKind::Format, found, "save the file as UTF-8, or write plain ASCII names and units")
-            .at_line(line_at(bytes, offset))
-            .expecting("a UTF-8 CSV file")
-    })?;
-    Ok(unmarked(text.into()))
+    let offset = text.map_or_else(|error| error.valid_up_to(), str::len);
+    let byte = bytes.get(offset).copied().unwrap_or_default();
+    let found = format!("not UTF-8: byte 0x{byte:02x} at offset {offset}");
+    Err(Error::new(ErrorKind::Format, found, "save the file as UTF-8, or write plain ASCII names and units")
+        .at_line(line_at(bytes, offset))
+        .expecting("a UTF-8 CSV file"))
 }
 
-fn unmarked(text: Cow<'_, str>) -> Cow<'_, str> {
-    const MARK: char = '\u{feff}';
-    match text {
-        Cow::Borrowed(text) => Cow::Borrowed(text.strip_prefix(MARK).unwrap_or(text)),
-        Cow::Owned(text) => Cow::Owned(text.strip_prefix(MARK).map_or(text.clone(), str::to_owned)),
-    }
-}
-
-/// How many lines hold bytes that are no text, where they are few and the first is none of them.
-fn garbled_lines(bytes: &[u8]) -> Option<usize> {
+/// Whether few lines hold bytes that are no text, and the first is none of them.
+fn has_few_garbled(bytes: &[u8]) -> bool {
     let is_text = |line: &[u8]| !line.contains(&0) && std::str::from_utf8(line).is_ok();
-    let mut lines = bytes.split(|&b| b == b'\n');
-    if !lines.next().is_some_and(is_text) {
-        return None;
-    }
-    let (mut all, mut garbled) = (1, 0);
-    for line in lines {
-        all += 1;
-        garbled += usize::from(!is_text(line));
-    }
-    (garbled * LINES_PER_GARBLED <= all).then_some(garbled)
+    let mut lines = bytes.split(|&b| b == b'\n').map(is_text);
+    let first = lines.next();
+    let (all, garbled) =
+        lines.fold((1, 0), |(all, garbled), is_text| (all + 1, garbled + usize::from(!is_text)));
+    first == Some(true) && are_few(garbled, all)
 }
 
 fn line_at(bytes: &[u8], offset: usize) -> usize {

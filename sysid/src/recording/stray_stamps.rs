@@ -1,14 +1,15 @@
 //! Single time stamps that a garbled line or a swap of two rows has put out of order, between neighbours that are in order.
 
+use super::garbled::are_few;
 use super::missing::{lines, over};
-use super::table::{LINES_PER_GARBLED, Table};
+use super::table::Table;
 use super::{Note, clock::counted};
 
 /// Leaves out the rows of such stamps, where they are few; a clock that is set back, or that never grows, is left to be refused.
 pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) {
     let Some(strays) = strays(&table.t) else { return };
     let (Some(&first), Some(&last)) = (strays.first(), strays.last()) else { return };
-    if strays.len() * LINES_PER_GARBLED > table.t.len() {
+    if !are_few(strays.len(), table.t.len()) {
         return;
     }
     let text = format!(

@@ -8,14 +8,11 @@ use super::assign::{ROW, Source, assign};
 use super::clock::counted;
 use super::columns::{KNOWN_COLUMNS, Role};
 use super::expression::Expression;
+use super::garbled::Wrong;
 use super::options::{ColumnMap, ReadOptions};
 use super::{Note, NoteKind, missing, sniff};
 use crate::error::{Error, ErrorKind, quote};
 
-/// Of so many lines one may be garbled, as a serial line or a full card leaves them: what it lacks is a gap. More are an error.
-pub(super) const LINES_PER_GARBLED: usize = 100;
-/// Garbled lines that a note tells.
-const GARBLED_TOLD: usize = 5;
 /// A number beyond this is no measurement in SI units.
 pub(super) const LARGEST_VALUE: f64 = 1e9;
 /// Time stamps may be nanoseconds since 1970; their unit is judged from the step.
@@ -254,52 +251,8 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -
             Ok(()) => filler.push(&splitter, number, &mut wrong),
         }
     }
-    if wrong.lines * LINES_PER_GARBLED <= rows {
-        notes.extend(wrong.note(rows));
-        return Ok(filler.table);
-    }
-    match Error::of_several(wrong.errors, wrong.count) {
-        Some(error) => Err(error),
-        None => Ok(filler.table),
-    }
-}
-
-/// What is wrong with the rows.
-#[derive(Default)]
-struct Wrong {
-    /// The first of them.
-    errors: Vec<Error>,
-    count: usize,
-    /// Lines that they stand in.
-    lines: usize,
-    last: usize,
-}
-
-impl Wrong {
-    fn add(&mut self, error: Error, line: usize) {
-        self.count += 1;
-        self.lines += usize::from(line != self.last);
-        self.last = line;
-        if self.errors.len() < Error::MOST_TOLD {
-            self.errors.push(error.at_line(line));
-        }
-    }
-}
-
-impl Wrong {
-    /// What is left out of `rows` rows.
-    fn note(&self, rows: usize) -> Option<Note> {
-        let mut told: Vec<String> = self.errors.iter().take(GARBLED_TOLD).map(Error::in_short).collect();
-        if self.count > told.len() {
-            told.push("...".into());
-        }
-        let text = format!(
-            "{} of {rows} garbled, what should stand there taken as missing: {}",
-            counted(self.lines, "line"),
-            told.join("; ")
-        );
-        (self.lines > 0).then(|| Note::new(NoteKind::Missing, text))
-    }
+    notes.extend(wrong.of(rows)?);
+    Ok(filler.table)
 }
 
 fn wrong_width(found: usize, expected: usize) -> Error {
