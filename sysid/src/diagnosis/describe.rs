@@ -109,7 +109,9 @@ fn in_reason(objection: Option<Objection>) -> String {
         Some(Objection::Unseen) => {
             "too little of the motion follows from the input for a name to be sure".into()
         }
-        Some(Objection::Unstable) => "no name for it stands on data that it was not fitted to".into(),
+        Some(Objection::Unstable) => {
+            "the first name for it does not stand on data that it was not fitted to".into()
+        }
         Some(Objection::Partly(share)) => {
             format!("the names found explain {} of what can be closed, no more", percent(share))
         }

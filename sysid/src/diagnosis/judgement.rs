@@ -31,10 +31,11 @@ pub struct Judgement<'p, 'd> {
     pub place: usize,
     /// Its named terms, largest share first.
     pub named: Vec<Finding>,
-    /// Named terms that are told as a remainder: small ones that not every rotation chooses, very small ones, those without
-    /// which the motion is explained as well, facets of another, small ones beside a larger of their class, a moment at a
-    /// line of the input, a lag within a row of which the input is not known, what comes once and is soon over, what turns
-    /// its sign with the rest left out, and all where the model neither explains the data nor predicts the motion.
+    /// Named terms that are told as a remainder: further ones that no majority of the rotations chooses, small ones that not every
+    /// rotation chooses, very small ones, those without which the motion is explained as well, facets of another, small ones beside
+    /// a larger of their class, a moment at a line of the input, a lag within a row of which the input is not known, what comes once
+    /// and is soon over, what turns its sign with the rest left out, and all where the model neither explains the data nor predicts
+    /// the motion.
     pub small: Vec<Finding>,
     /// The model with its named terms alone, fitted again, where there are others too.
     pub names_alone: Option<Fit>,
@@ -108,7 +109,6 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let clear = |finding: &Finding| {
             is_clear(finding.effect, &rotation.gain(finding.effect.about().id).unwrap_or_default())
         };
-        let all: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
         let in_every = |finding: &Finding| chosen(finding) == rotation.parts.len();
         let minor: Vec<bool> = (named.iter().enumerate())
             .map(|(i, finding)| {
@@ -125,8 +125,9 @@ impl<'p, 'd> Judgement<'p, 'd> {
             [meant, fit].into_iter().find_map(|fit| fit.minimum.values.get(fit.range_of(problem, id)?))
         };
         let accounted = |finding: &Finding| {
-            values(finding)
-                .is_some_and(|p| all.iter().any(|e| e.accounts_for(finding.effect, p, &problem.sizes)))
+            values(finding).is_some_and(|p| {
+                kept.iter().any(|(_, f)| f.effect.accounts_for(finding.effect, p, &problem.sizes))
+            })
         };
         let of_the_input = |finding: &Finding| {
             let f_hz = values(finding).and_then(|p| finding.effect.acts_at_frequency(p));
@@ -137,7 +138,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
             values(finding).is_some_and(|p| is_of_the_hold(problem, finding.effect, p, delay))
         };
         let barred = |i: usize, finding: &Finding| {
-            mends(finding, &all[..i])
+            let before = kept.iter().take_while(|(k, _)| *k < i);
+            mends(finding, &before.map(|(_, f)| f.effect).collect::<Vec<_>>())
                 || accounted(finding)
                 || of_the_input(finding)
                 || of_the_hold(finding)

@@ -275,10 +275,10 @@ pub trait Effect: Sync {
     fn actuate(&self, _p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
         u
     }
-    /// u_c → u_a at one moment, at which its own states are `s`.
+    /// u_c → u_a at one moment, at which its own states are `s`. One that has states and moves them in `actuate` tells here what
+    /// they show, so that the reaction of the rotors follows it exactly.
     fn blades(&self, p: &[f64], s: &[f64], u: f64, at: &Conditions) -> f64 {
-        debug_assert!(s.is_empty(), "an effect with states tells what they show");
-        self.actuate(p, &mut [], u, at)
+        self.actuate(p, &mut s.to_vec(), u, at)
     }
     /// Moment that the motion has no part in, N m, the mean over one step.
     fn forcing(&self, _p: &[f64], _at: &Conditions) -> f64 {

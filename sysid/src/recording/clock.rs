@@ -149,7 +149,7 @@ fn usual_step(t: &[f64]) -> (f64, bool) {
 }
 
 /// Median of the mean differences of `rows` rows in turn.
-fn median_step(t: &[f64], rows: usize) -> f64 {
+pub(super) fn median_step(t: &[f64], rows: usize) -> f64 {
     let mut steps: Vec<f64> = t.windows(rows + 1).map(|few| (few[rows] - few[0]) / rows as f64).collect();
     let middle = steps.len() / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1

@@ -120,7 +120,7 @@ pub enum NoteKind {
     Filled,
     /// Samples are missing; the recording is split there.
     Gap,
-    /// Cells without a number: their rows were left out, or bridged where they are not needed.
+    /// Cells without a number, garbled lines, stray time stamps: their rows were left out, or bridged where they are not needed.
     Missing,
     /// Rows that stood twice were dropped.
     Duplicate,
@@ -193,8 +193,9 @@ pub fn as_csv(name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 /// Whatever makes the data unusable: no UTF-8 CSV, a column missing, double or contradictory, text or an infinity where
-/// a number belongs (cells that are empty or NaN are gaps), time stamps that stand still, run backwards or have an impossible step, too few samples, options
-/// that fit nothing in the file. The error names file, line, column, what was found and what to do, and
+/// a number belongs, time stamps that stand still, run backwards or have an impossible step, too few samples, options that fit nothing
+/// in the file. Cells that are empty or NaN are gaps, and so is what a garbled line lacks where one line in a hundred or fewer are, and a
+/// row whose stamp alone is out of order. The error names file, line, column, what was found and what to do, and
 /// what else is wrong with cells and time stamps of the same file.
 pub fn parse(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recording, Error> {
     parse_unnamed(name, text, options).map_err(|error| error.in_file(name))

@@ -1,9 +1,13 @@
 //! Single time stamps that a garbled line or a swap of two rows has put out of order, between neighbours that are in order.
 
+use super::clock::median_step;
 use super::garbled::are_few;
 use super::missing::{lines, over};
 use super::table::Table;
 use super::{Note, clock::counted};
+
+/// Rows before and after a stray one that tell whether the clock goes on.
+const REACH: usize = 3;
 
 /// Leaves out the rows of such stamps, where they are few; a clock that is set back, or that never grows, is left to be refused.
 pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) {
@@ -17,9 +21,9 @@ pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) {
         counted(strays.len(), "row"),
         lines(&table.lines, &strays)
     );
-    let inside = [first.saturating_sub(1), (last + 1).min(table.t.len() - 1)];
-    notes.push(over(&table.t, inside[0], inside[1], text));
     table.remove(&strays);
+    let (end, after) = (table.t.len() - 1, last + 1 - strays.len());
+    notes.push(over(&table.t, first.saturating_sub(1).min(end), after.min(end), text));
 }
 
 /// Rows without which time does not run backwards; `None` where no single rows are to blame.
@@ -36,7 +40,17 @@ fn strays(t: &[f64]) -> Option<Vec<usize>> {
         }
     }
     let kept = (0..t.len()).filter(|row| strays.binary_search(row).is_err());
-    kept.map(|row| t[row]).is_sorted().then_some(strays)
+    let in_order = kept.map(|row| t[row]).is_sorted();
+    (in_order && strays.iter().all(|&row| goes_on(t, row))).then_some(strays)
+}
+
+/// Whether as much time goes by across a stray `row` as the rows there take: a clock that is set back by a step or two takes less.
+fn goes_on(t: &[f64], row: usize) -> bool {
+    let (Some(from), Some(to)) = (row.checked_sub(REACH).and_then(|from| t.get(from)), t.get(row + REACH))
+    else {
+        return true;
+    };
+    to - from > (2 * REACH - 1) as f64 * median_step(t, 1)
 }
 
 /// Whether `row` lies further than the one before it from where an even clock has it, by the rows around both.
@@ -64,5 +78,11 @@ mod tests {
         assert_eq!(strays(&[0.0, 9.0, 1.0, 2.0, 0.5, 3.0]), Some(vec![1, 4]));
         assert_eq!(strays(&[0.0, 1.0, 0.9, 0.8, 2.0]), Some(vec![1, 3]));
         assert_eq!(strays(&[9.0, 8.0, 7.0, 6.0]), None);
+        let even =
+            |late: f64| (0..30).map(|k| f64::from(k) - if k < 15 { 0.0 } else { late }).collect::<Vec<f64>>();
+        assert_eq!(strays(&even(1.2)), None, "a clock that is set back a little");
+        let mut swapped = even(0.0);
+        swapped.swap(14, 15);
+        assert_eq!(strays(&swapped), Some(vec![14]));
     }
 }

@@ -229,12 +229,14 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -
     let mut filler = Filler::new(header.clone(), sources, text.len() / header_length);
     let mut wrong = Wrong::default();
     let ends = text.ends_with(['\n', '\r']);
-    let mut rows = 0;
+    // the header again is no row that was logged
+    let (mut rows, mut headers) = (0, 0);
     while let Some((number, line)) = lines.next() {
         rows += 1;
         match splitter.split(line) {
             Err(error) => wrong.add(error, number),
             Ok(()) if first.is_some_and(|(_, header)| header == line) => {
+                headers += 1;
                 wrong.add(Error::new(ErrorKind::Format, "the header again", "delete the line"), number);
             }
             // whoever wrote it was cut off in the middle of a row
@@ -248,7 +250,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -
             Ok(()) if splitter.fields != header.len() => {
                 wrong.add(wrong_width(splitter.fields, header.len()), number);
             }
-            Ok(()) => filler.push(&splitter, number, &mut wrong),
+            Ok(()) => filler.push(&splitter, rows - 1 - headers, number, &mut wrong),
         }
     }
     notes.extend(wrong.of(rows)?);
@@ -289,9 +291,9 @@ impl Filler {
         Self { header, table, section, supervised, label_of: BTreeMap::new() }
     }
 
-    fn push(&mut self, row: &Splitter, line: usize, wrong: &mut Wrong) {
+    /// The row at `place` among those that were logged, in this line.
+    fn push(&mut self, row: &Splitter, place: usize, line: usize, wrong: &mut Wrong) {
         let table = &mut self.table;
-        let place = table.t.len();
         let mut take = |source: &Source, largest| match value(row, place, &self.header, source, largest) {
             Ok(value) => value,
             Err(error) => {
@@ -311,8 +313,18 @@ impl Filler {
             }));
         }
         if let Some(source) = &self.section {
+            let before = table.labels.last().map(|&i| table.label_names[i as usize].clone());
             let label = match cell(row, source) {
                 "" => "-",
+                garbled if garbled.contains(['\0', char::REPLACEMENT_CHARACTER]) => {
+                    let error = Error::new(
+                        ErrorKind::Value,
+                        format!("found {}", quote(garbled)),
+                        "write the name in UTF-8",
+                    );
+                    wrong.add(error.in_column(source.name.as_str()).expecting("the name of a section"), line);
+                    before.as_deref().unwrap_or("-")
+                }
                 label => label,
             };
             let same = table.labels.last().copied().filter(|&i| table.label_names[i as usize] == label);
