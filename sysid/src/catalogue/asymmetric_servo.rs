@@ -45,9 +45,6 @@ impl Effect for AsymmetricServo {
         s[0] = before + (u - before) * passed;
         u + (before - u) * passed * lag / at.dt
     }
-    fn blades(&self, _p: &[f64], s: &[f64], _u: f64, _at: &Conditions) -> f64 {
-        s[0]
-    }
 }
 
 #[cfg(test)]

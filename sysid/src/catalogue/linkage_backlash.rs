@@ -43,7 +43,4 @@ impl Effect for LinkageBacklash {
         s[0] = s[0].clamp(u - p[0], u + p[0]);
         s[0]
     }
-    fn blades(&self, _p: &[f64], s: &[f64], _u: f64, _at: &Conditions) -> f64 {
-        s[0]
-    }
 }

@@ -39,7 +39,4 @@ impl Effect for ServoLag {
         s[0] = before + (u - before) * passed;
         u + (before - u) * passed * lag / at.dt
     }
-    fn blades(&self, _p: &[f64], s: &[f64], _u: f64, _at: &Conditions) -> f64 {
-        s[0]
-    }
 }

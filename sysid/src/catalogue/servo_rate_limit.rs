@@ -48,7 +48,4 @@ impl Effect for ServoRateLimit {
         let ramp = wanted.abs() / reach;
         u - 0.5 * ramp * wanted
     }
-    fn blades(&self, _p: &[f64], s: &[f64], _u: f64, _at: &Conditions) -> f64 {
-        s[0]
-    }
 }

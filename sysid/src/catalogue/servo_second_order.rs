@@ -44,9 +44,6 @@ impl Effect for ServoSecondOrder {
         let gained = (s[1] - before[1]) / omega + 2.0 * p[1] * (s[0] - before[0]);
         u - gained / (omega * at.dt)
     }
-    fn blades(&self, _p: &[f64], s: &[f64], _u: f64, _at: &Conditions) -> f64 {
-        s[0]
-    }
 }
 
 #[cfg(test)]

@@ -17,8 +17,7 @@ impl Dataset {
     /// How often the input changes: steps, or ramps each way.
     pub(crate) fn changes_of_input(&self) -> usize {
         let of_run = |run: &Run| {
-            let moves = run.u.windows(2).map(|pair| (pair[1] - pair[0]).partial_cmp(&0.0));
-            let moves: Vec<_> = moves.collect();
+            let moves: Vec<_> = run.u.windows(2).map(|pair| pair[1].partial_cmp(&pair[0])).collect();
             moves.chunk_by(|a, b| a == b).filter(|stretch| stretch[0] != Some(Ordering::Equal)).count()
         };
         self.runs.iter().map(of_run).sum()
@@ -59,11 +58,10 @@ mod tests {
     #[test]
     fn a_ramp_is_one_change() {
         let mut flown = flight(1, 0.0);
-        let changes = |u: &dyn Fn(usize) -> f64| {
+        let mut changes = |u: &dyn Fn(usize) -> f64| {
             flown.u.iter_mut().enumerate().for_each(|(k, value)| *value = u(k));
             Dataset::new(&[flown.recording()]).unwrap().changes_of_input()
         };
-        let mut changes = changes;
         assert_eq!(changes(&|_| 0.01), 0);
         assert_eq!(changes(&|k| if (100..300).contains(&k) { 0.01 } else { 0.0 }), 2);
         assert_eq!(changes(&|k| 1e-4 * (k.clamp(100, 200) - 100) as f64), 1);

@@ -150,7 +150,8 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let alone = |named: &[(usize, Finding)], small: &[(usize, Finding)]| {
             with_names_alone(problem, fit, named, small.iter().map(|(_, f)| f).chain(&shapes))
         };
-        let mut names_alone = alone(&named, &small);
+        let same = shapes.is_empty() && named.len() == kept.len();
+        let mut names_alone = if same { without_minor.clone() } else { alone(&named, &small) };
         // One without which the names give another gain, which a controller is designed by, is material, however little of the
         // prediction it moves.
         if names_alone.as_ref().is_some_and(|alone| is_another_gain(problem, fit, alone)) {

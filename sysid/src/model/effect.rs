@@ -275,10 +275,9 @@ pub trait Effect: Sync {
     fn actuate(&self, _p: &[f64], _s: &mut [f64], u: f64, _at: &Conditions) -> f64 {
         u
     }
-    /// u_c → u_a at one moment, at which its own states are `s`. One that has states and moves them in `actuate` tells here what
-    /// they show, so that the reaction of the rotors follows it exactly.
+    /// u_c → u_a at one moment, at which its own states are `s`: the first of them, where it has any.
     fn blades(&self, p: &[f64], s: &[f64], u: f64, at: &Conditions) -> f64 {
-        self.actuate(p, &mut s.to_vec(), u, at)
+        s.first().copied().unwrap_or_else(|| self.actuate(p, &mut [], u, at))
     }
     /// Moment that the motion has no part in, N m, the mean over one step.
     fn forcing(&self, _p: &[f64], _at: &Conditions) -> f64 {

@@ -44,13 +44,12 @@ pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
     }
     let zero = bytes.iter().position(|&b| b == 0);
     let text = std::str::from_utf8(bytes);
-    match (zero, text) {
-        (None, Ok(text)) => return Ok(Cow::Borrowed(text.strip_prefix(MARK).unwrap_or(text))),
-        _ if has_few_garbled(bytes) => {
-            let text = String::from_utf8_lossy(bytes);
-            return Ok(Cow::Owned(text.strip_prefix(MARK).unwrap_or(&text).to_owned()));
-        }
-        _ => {}
+    if let (None, Ok(text)) = (zero, text) {
+        return Ok(Cow::Borrowed(text.strip_prefix(MARK).unwrap_or(text)));
+    }
+    if has_few_garbled(bytes) {
+        let text = String::from_utf8_lossy(bytes);
+        return Ok(Cow::Owned(text.strip_prefix(MARK).unwrap_or(&text).to_owned()));
     }
     if let Some(offset) = zero {
         let found = format!("a binary file (zero byte at offset {offset})");
@@ -59,7 +58,7 @@ pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
             .at_line(line_at(bytes, offset))
             .expecting("a UTF-8 CSV file"));
     }
-    let offset = text.map_or_else(|error| error.valid_up_to(), str::len);
+    let offset = text.err().map_or(0, |error| error.valid_up_to());
     let byte = bytes.get(offset).copied().unwrap_or_default();
     let found = format!("not UTF-8: byte 0x{byte:02x} at offset {offset}");
     Err(Error::new(ErrorKind::Format, found, "save the file as UTF-8, or write plain ASCII names and units")

@@ -39,18 +39,23 @@ fn strays(t: &[f64]) -> Option<Vec<usize>> {
             (false, false) => return None,
         }
     }
+    if strays.is_empty() {
+        return Some(strays);
+    }
     let kept = (0..t.len()).filter(|row| strays.binary_search(row).is_err());
     let in_order = kept.map(|row| t[row]).is_sorted();
-    (in_order && strays.iter().all(|&row| goes_on(t, row))).then_some(strays)
+    let step = median_step(t, 1);
+    (in_order && strays.iter().all(|&row| goes_on(t, row, step))).then_some(strays)
 }
 
-/// Whether as much time goes by across a stray `row` as the rows there take: a clock that is set back by a step or two takes less.
-fn goes_on(t: &[f64], row: usize) -> bool {
+/// Whether as much time goes by across a stray `row` as the rows there take, `step` each: a clock that is set back by a step or two
+/// takes less.
+fn goes_on(t: &[f64], row: usize, step: f64) -> bool {
     let (Some(from), Some(to)) = (row.checked_sub(REACH).and_then(|from| t.get(from)), t.get(row + REACH))
     else {
         return true;
     };
-    to - from > (2 * REACH - 1) as f64 * median_step(t, 1)
+    to - from > (2 * REACH - 1) as f64 * step
 }
 
 /// Whether `row` lies further than the one before it from where an even clock has it, by the rows around both.

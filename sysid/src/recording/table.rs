@@ -313,30 +313,28 @@ impl Filler {
             }));
         }
         if let Some(source) = &self.section {
-            let before = table.labels.last().map(|&i| table.label_names[i as usize].clone());
             let label = match cell(row, source) {
                 "" => "-",
-                garbled if garbled.contains(['\0', char::REPLACEMENT_CHARACTER]) => {
-                    let error = Error::new(
-                        ErrorKind::Value,
-                        format!("found {}", quote(garbled)),
-                        "write the name in UTF-8",
-                    );
-                    wrong.add(error.in_column(source.name.as_str()).expecting("the name of a section"), line);
-                    before.as_deref().unwrap_or("-")
-                }
                 label => label,
             };
-            let same = table.labels.last().copied().filter(|&i| table.label_names[i as usize] == label);
-            let index = match same.or_else(|| self.label_of.get(label).copied()) {
-                Some(index) => index,
-                None => {
-                    let index = u32::try_from(table.label_names.len()).unwrap_or(u32::MAX);
-                    table.label_names.push(label.to_owned());
-                    self.label_of.insert(label.to_owned(), index);
-                    index
+            let before = table.labels.last().copied();
+            let same = before.filter(|&i| table.label_names[i as usize] == label);
+            let known = same.or_else(|| self.label_of.get(label).copied());
+            let index = known.unwrap_or_else(|| {
+                let is_garbled = label.contains(['\0', char::REPLACEMENT_CHARACTER]);
+                if is_garbled {
+                    let found = format!("found {}", quote(label));
+                    let error = Error::new(ErrorKind::Value, found, "write the name in UTF-8");
+                    wrong.add(error.in_column(source.name.as_str()).expecting("the name of a section"), line);
                 }
-            };
+                before.filter(|_| is_garbled).unwrap_or_else(|| {
+                    let name = if is_garbled { "-" } else { label };
+                    let index = u32::try_from(table.label_names.len()).unwrap_or(u32::MAX);
+                    table.label_names.push(name.to_owned());
+                    self.label_of.insert(name.to_owned(), index);
+                    index
+                })
+            });
             table.labels.push(index);
         }
         table.lines.push(u32::try_from(line).unwrap_or(u32::MAX));

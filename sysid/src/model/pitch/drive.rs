@@ -85,7 +85,7 @@ impl PitchModel<'_> {
     }
 
     /// Where the input of substep `i` stands under the conditions `at`.
-    pub(super) fn shift(&self, i: usize, run: &Run, at: &Conditions) -> Shift {
+    fn shift(&self, i: usize, run: &Run, at: &Conditions) -> Shift {
         if self.delay_moves {
             let delay = self.plant.delay + later(&self.terms, at);
             if delay != self.delay {
