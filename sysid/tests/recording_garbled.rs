@@ -87,3 +87,23 @@ fn many_garbled_lines_are_refused() {
     let error = parse("bad.csv", &garbled(&bytes), &ReadOptions::default()).unwrap_err().to_string();
     assert!(error.contains("a binary file (zero byte at offset"), "{error}");
 }
+
+#[test]
+fn a_few_rows_with_the_stamp_of_another_are_spread_and_many_are_refused() {
+    let options = ReadOptions::default();
+    let whole = parse("good.csv", &garbled(&[]), &options).unwrap();
+    // rows at 2 s, and at 4 s and 4.02 s, stamped as the row after them
+    let lines: [(usize, &[u8]); 3] =
+        [(102, b"2.02,0.02,0.9"), (202, b"4.04,0.01,0.8"), (203, b"4.04,0.02,0.7")];
+    let recording = parse("good.csv", &garbled(&lines), &options).unwrap();
+    assert_eq!((recording.len(), recording.segments.len()), (400, 1));
+    assert!(recording.t.iter().zip(&whole.t).all(|(a, b)| (a - b).abs() < 1e-6));
+    let told = notes(&recording, NoteKind::Snapped);
+    assert!(told[0].starts_with("3 rows with the stamp of the row before"), "{told:?}");
+    let many: Vec<(usize, Vec<u8>)> = (10..15)
+        .map(|k| (2 * k, format!("{},0.02,0.{}", 0.02 * (2 * k - 1) as f64, 100 + k).into_bytes()))
+        .collect();
+    let many: Vec<(usize, &[u8])> = many.iter().map(|(line, text)| (*line, text.as_slice())).collect();
+    let refused = parse("bad.csv", &garbled(&many), &options).unwrap_err().to_string();
+    assert!(refused.contains("time stands still"), "{refused}");
+}

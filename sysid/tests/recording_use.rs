@@ -410,38 +410,6 @@ fn signals_without_a_file_keep_their_names_and_have_no_lines() {
 }
 
 #[test]
-fn columns_are_worked_out_of_several() {
-    let mut text = "t us,m1,m2,m3,m4,gyro[1],note\n".to_owned();
-    for k in 0..40 {
-        let x = f64::from(k);
-        text += &format!("{},{},{},0.5,0.25,{},x\n", 20_000 * k, 0.01 * x, 0.02 * x, 10.0 * x.sin());
-    }
-    let options = ReadOptions {
-        columns: ["t_s=`t us`*1e-6", "u_norm=0.25*(m1+m2-m3-m4)", "q_rad_s=-gyro[1]*pi/180"]
-            .map(|map| map.parse().unwrap())
-            .to_vec(),
-        ..ReadOptions::default()
-    };
-    let recording = parse("mixed.csv", text.as_bytes(), &options).unwrap();
-    assert_eq!(recording.step, 0.02);
-    assert!((recording.u[10] - 0.25 * (0.1 + 0.2 - 0.75)).abs() < 1e-12, "{}", recording.u[10]);
-    assert!((recording.q.as_deref().unwrap()[3] + 10_f64.to_radians() * 3_f64.sin()).abs() < 1e-12);
-    let told: Vec<&str> = recording.notes.iter().map(|note| note.text.as_str()).collect();
-    assert!(told.iter().any(|text| text.contains("u_norm is m1+m2-m3-m4 of the file's columns, times 0.25")));
-    assert!(told.contains(&"columns not used: note"), "{told:?}");
-
-    let bad = text.replace("0.03,0.06,0.5", "0.03,abc,0.5");
-    let error = parse("mixed.csv", bad.as_bytes(), &options).unwrap_err();
-    assert_eq!((error.line, error.column.as_deref()), (Some(5), Some("m2")), "{error}");
-    let unknown = ReadOptions { columns: vec!["u_norm=m1-m22".parse().unwrap()], ..options };
-    let error = parse("mixed.csv", text.as_bytes(), &unknown).unwrap_err().to_string();
-    assert!(
-        error.contains("u_norm=m1-m22: the file has no column \"m22\"\n  expected: one of m2, "),
-        "{error}"
-    );
-}
-
-#[test]
 fn cells_without_a_number_are_gaps_that_are_told() {
     let mut rows: Vec<String> = (0..200)
         .map(|k| {

@@ -63,7 +63,10 @@ pub(super) fn assign(
     let from_maps = sources.len();
     for (index, name) in header.iter().enumerate() {
         let Some((role, factor)) = Role::of(name) else { continue };
-        if sources[..from_maps].iter().any(|s| s.role.same_slot(role)) {
+        // A motion that was asked for as another one is not that of its own name as well: a roll rate that is to be the rate has no roll
+        // beside it.
+        let is_another = |s: &Source| role.is_motion() && s.role.is_motion() && s.places.contains(&index);
+        if sources[..from_maps].iter().any(|s| s.role.same_slot(role) || is_another(s)) {
             continue;
         }
         add_own_column(&mut sources, Source::new(role, Expression::column(name), vec![index], factor))?;

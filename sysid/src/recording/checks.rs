@@ -24,8 +24,8 @@ const DEGREES: f64 = 180.0 / PI;
 /// Share of exact repetitions that is worth a word.
 const REPEATED: f64 = 0.02;
 
-/// Adds the notes on the signals of a table that is on its grid.
-pub(super) fn inspect(table: &Table, grid: &Grid, notes: &mut Vec<Note>) {
+/// Adds the notes on the signals of a table that is on its grid; the angle is known to be in radians where it was written `in_turns`.
+pub(super) fn inspect(table: &Table, grid: &Grid, in_turns: bool, notes: &mut Vec<Note>) {
     let of = |role: Role| table.signals.iter().find(|s| s.source.role == role);
     let (q, theta) = (of(Role::Q), of(Role::Theta));
     if let Some(input) = table.signals.iter().find(|s| s.source.role.is_input()) {
@@ -50,7 +50,7 @@ pub(super) fn inspect(table: &Table, grid: &Grid, notes: &mut Vec<Note>) {
     };
     if !told {
         check_size(q, grid, LARGEST_RATE, "rad/s", notes);
-        check_size(theta, grid, LARGEST_ANGLE, "rad", notes);
+        check_size(theta.filter(|_| !in_turns), grid, LARGEST_ANGLE, "rad", notes);
     }
 }
 

@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use super::even_rows::{EvenRows, even_rows};
 use super::options::{InputHold, ReadOptions};
+use super::same_stamps;
 use super::table::Table;
 use super::{Note, NoteKind};
 use crate::error::{Error, ErrorKind};
@@ -55,6 +56,7 @@ pub(super) fn onto_grid(
 ) -> Result<Grid, Error> {
     let needed = options.min_samples.max(3);
     let expected = format!("at least {needed} samples without a gap");
+    same_stamps::spread(table, same_values, notes);
     drop_duplicates(table, notes)?;
     if table.t.len() < needed {
         return Err(too_short(table.t.len(), 0.0).expecting(expected));

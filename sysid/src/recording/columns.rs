@@ -194,6 +194,11 @@ impl Role {
         matches!(self, Self::Input(_))
     }
 
+    /// A measured motion, of whichever axis.
+    pub(super) fn is_motion(self) -> bool {
+        matches!(self, Self::Q | Self::Theta | Self::Qdot | Self::P | Self::R | Self::Phi)
+    }
+
     /// A command, of whichever axis: between samples as the option for the input says.
     pub(super) fn is_command(self) -> bool {
         self.is_input() || matches!(self, Self::RollInput(_) | Self::Thrust)

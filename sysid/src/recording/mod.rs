@@ -16,6 +16,7 @@ mod cut;
 mod even_rows;
 mod export;
 mod expression;
+mod full_turns;
 mod garbled;
 mod in_memory;
 mod matlab;
@@ -23,6 +24,7 @@ mod missing;
 mod options;
 pub(crate) mod plateaus;
 pub(crate) mod rate_and_angle;
+mod same_stamps;
 mod sections;
 mod sniff;
 mod stray_stamps;
@@ -235,11 +237,12 @@ fn on_grid(
 ) -> Result<Recording, Error> {
     stray_stamps::leave_out(&mut table, &mut notes);
     sections::relabel(&mut table, options, &mut notes)?;
+    let in_turns = full_turns::add(&mut table, &mut notes);
     wild::bridge(&mut table, &mut notes);
     let mut grid = clock::onto_grid(&mut table, options, &mut notes)?;
     airborne::keep(&table, &mut grid, &mut notes);
     let sections = sections::runs(&table, &grid.segments);
-    checks::inspect(&table, &grid, &mut notes);
+    checks::inspect(&table, &grid, in_turns, &mut notes);
 
     let input = table.signals.iter().find_map(|s| match s.source.role {
         Role::Input(unit) => Some(unit),
