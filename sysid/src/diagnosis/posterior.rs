@@ -103,6 +103,21 @@ impl Visited {
         self.information.divisor(further.flat_map(|i| self.fit.own_range(problem, i)))
     }
 
+    /// κ of the terms that only one of this model and `other` has: the larger of the two.
+    pub fn divisor_against(&self, problem: &Problem<'_>, other: &Visited) -> f64 {
+        self.divisor_beyond(problem, &other.fit).max(other.divisor_beyond(problem, &self.fit))
+    }
+
+    /// By how much the log posterior lies above that of `other`, likelihoods calibrated by the terms in which they differ: that one
+    /// which both have is uneven says nothing of the others.
+    pub fn above(&self, problem: &Problem<'_>, other: &Visited) -> f64 {
+        let divisor = self.divisor_against(problem, other);
+        match self.log_posterior(problem, divisor) {
+            f64::NEG_INFINITY => f64::NEG_INFINITY,
+            own => own - other.log_posterior(problem, divisor),
+        }
+    }
+
     /// Log posterior up to a constant, likelihoods calibrated by `divisor`.
     pub fn log_posterior(&self, problem: &Problem<'_>, divisor: f64) -> f64 {
         self.log_posterior_with(problem, self.fit.criterion(), divisor)
@@ -155,7 +170,7 @@ impl Selection {
         let model = &self.visited[place];
         let own = model.fit.own_range(problem, i);
         let divisor = model.information.divisor(own.clone());
-        let has = |v: &Visited| v.fit.position(effect.about().id).is_some();
+        let has = |v: &Visited| says(&v.fit.effects, effect);
         // What shapes stand beside it is given: a shape that holds the term as its special case does not speak against it.
         let beside = if is_shape(effect) { None } else { Some(model.shapes()) };
         let counts = |v: &&Visited| beside.as_ref().is_none_or(|beside| v.shapes() == *beside);
@@ -226,9 +241,7 @@ impl Selection {
         probability: impl Fn(&Visited) -> f64,
     ) -> Vec<(&'static dyn Effect, f64, usize)> {
         let mut rivals: Vec<(&'static dyn Effect, f64, usize)> = Vec::new();
-        for (i, other) in
-            self.visited.iter().enumerate().filter(|(_, v)| v.fit.position(effect.about().id).is_none())
-        {
+        for (i, other) in self.visited.iter().enumerate().filter(|(_, v)| !says(&v.fit.effects, effect)) {
             let mut further = other.fit.effects.clone();
             further.retain(|e| model.fit.position(e.about().id).is_none());
             let of_class = |e: &dyn Effect| effect.class().is_some_and(|class| e.class() == Some(class));
@@ -298,6 +311,16 @@ fn explains_the_same([model, rival]: [&Fit; 2], neither: &Fit, divisor: f64) -> 
     };
     let log_ratio = 0.5 * (model.criterion() - rival.criterion()).abs() / divisor;
     log_ratio < -PLAUSIBLE.ln() && apart(rival) < SAME_SHARE * apart(neither)
+}
+
+/// Whether `effects` say what `effect` says, be it in other words: dry friction that differs each way is friction and a constant
+/// moment, and the other way round. One that restates a single other does so nearly, and no more.
+pub fn says(effects: &[&'static dyn Effect], effect: &dyn Effect) -> bool {
+    let has = |id: &str| effects.iter().any(|e| e.about().id == id);
+    let words = |effect: &dyn Effect| Some(effect.restates()).filter(|ids| ids.len() > 1);
+    has(effect.about().id)
+        || words(effect).is_some_and(|ids| ids.iter().all(|id| has(id)))
+        || effects.iter().any(|e| words(*e).is_some_and(|ids| ids.contains(&effect.about().id)))
 }
 
 /// Whether an effect is a shape without a name.

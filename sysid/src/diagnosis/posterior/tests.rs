@@ -226,6 +226,16 @@ fn a_term_is_calibrated_by_its_own_blocks_and_told_by_what_the_whole_gains() {
         assert_eq!(all.divisor_beyond(problem, &models.visited[1].fit), divisors[1]);
         assert_eq!(all.divisor_beyond(problem, &models.visited[2].fit), divisors[0]);
         assert_eq!(all.divisor_beyond(problem, baseline), of_both);
+        // two models are compared by what only one of them has
+        let one = &models.visited[1];
+        assert_eq!([all.divisor_against(problem, one), one.divisor_against(problem, all)], [divisors[1]; 2]);
+        let crossed = one.divisor_against(problem, &models.visited[2]);
+        assert!(crossed >= one.divisor(problem).max(models.visited[2].divisor(problem)), "{crossed}");
+        let by_own = [all, one].map(|visited| visited.log_posterior(problem, divisors[1]));
+        assert_eq!(
+            [all.above(problem, one), one.above(problem, all)],
+            [by_own[0] - by_own[1], by_own[1] - by_own[0]]
+        );
 
         let value = |models: &Selection, i: usize| models.visited[i].log_posterior(problem, of_both);
         let whole = value(&models, 3) - value(&models, 0);
@@ -403,4 +413,15 @@ fn lags_are_compared_at_the_longest_horizon_that_tells_them_from_none() {
     assert_eq!(chosen(1.0, 0.98, 0.03, 9), ([true, true], Some(0.3)));
     assert_eq!(chosen(1.4, 0.995, 0.03, 10), ([false, true], Some(0.1)));
     assert_eq!(chosen(1.8, 0.9, 0.02, 9), ([false, false], Some(0.3)), "no horizon tells it");
+}
+
+#[test]
+fn what_restates_two_others_says_them_and_is_said_by_both() {
+    let said = |others: &[&str], id: &str| says(&effects(others), effects(&[id])[0]);
+    assert!(said(&["coulomb_friction", "trim_offset", "servo_lag"], "asymmetric_friction"));
+    assert!(
+        said(&["asymmetric_friction"], "trim_offset") && said(&["asymmetric_friction"], "coulomb_friction")
+    );
+    assert!(!said(&["coulomb_friction"], "asymmetric_friction"), "half of it");
+    assert!(!said(&["linear_stiffness"], "gravity_stiffness"), "nearly the same is not the same");
 }
