@@ -18,6 +18,7 @@ const SIZES: Amplitudes = Amplitudes {
     turned: 0.8,
     angles: [0.0; 3],
     moment: 0.345,
+    moves: 0.0,
     step: STEP,
     duration: 4.0,
     rate_limit: None,

@@ -233,6 +233,7 @@ mod tests {
         turned: 8.0,
         angles: [0.0; 3],
         moment: 1.0,
+        moves: 0.0,
         step: 0.02,
         duration: 1.0,
         rate_limit: None,

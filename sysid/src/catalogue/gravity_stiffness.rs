@@ -34,13 +34,13 @@ impl Effect for GravityStiffness {
     }
 }
 
-/// A stiffness of either sign, by the control moment over the angle.
+/// A stiffness of either sign, by the moments that act over the angle.
 pub(super) fn stiffness(name: &'static str, unit: &'static str, data: &Amplitudes) -> Parameter {
-    let usual = 0.1 * data.moment / data.theta;
+    let usual = 0.1 * data.acting() / data.theta;
     Parameter { name, unit, lower: -50.0 * usual, upper: 200.0 * usual, scale: Scale::Linear(usual) }
 }
 
 /// Where the search for one starts.
 pub(super) fn starts_of_stiffness(data: &Amplitudes) -> Vec<Vec<f64>> {
-    vec![vec![0.1 * data.moment / data.theta], vec![data.moment / data.theta]]
+    vec![vec![0.1 * data.acting() / data.theta], vec![data.acting() / data.theta]]
 }

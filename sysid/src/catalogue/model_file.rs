@@ -21,6 +21,7 @@ pub(super) const ANY: Amplitudes = Amplitudes {
     turned: 8.0,
     angles: [0.0; 3],
     moment: 1.0,
+    moves: 0.0,
     step: 0.02,
     duration: 100.0,
     rate_limit: None,

@@ -17,6 +17,7 @@ use crate::catalogue::rest_angle::RestAngle;
 use crate::catalogue::trim_offset::TrimOffset;
 use crate::likelihood::fit::{Fit, SKETCH, fit, refit};
 use crate::likelihood::problem::Problem;
+use crate::model::baseline::swing_of;
 use crate::model::effect::Effect;
 use rayon::prelude::*;
 
@@ -66,25 +67,50 @@ pub fn about_another_zero(problem: &Problem<'_>, before: &Fit, pair: [&'static d
     both.into_iter().chain(alone).collect()
 }
 
+/// `before` with gravity, where the motion swings by a regression ([`swing_of`]) and hangs at zero: a pendulum that was let go, or
+/// that the air keeps swinging, moves by itself more than by the command, and a disturbance that has settled on its frequency leaves
+/// nothing for a spring to be found by.
+pub fn about_zero(problem: &Problem<'_>, before: &Fit) -> Option<Fit> {
+    if problem.hangs_aside || before.effects.iter().any(|e| SPRINGS.contains(&e.about().id)) {
+        return None;
+    }
+    let effects = [&before.effects[..], &[&GravityStiffness]].concat();
+    let (swing, inertia) = (swing_of(problem.data)?, problem.baseline.plant.inertia);
+    let sketch = |strength: f64| {
+        let mut values = before.minimum.values.clone();
+        (values[0], values[1]) = (inertia * swing.dm_dq, inertia * swing.dm_du);
+        if problem.baseline.delay_free {
+            values[2] = swing.delay;
+        }
+        values[problem.noise_range()].copy_from_slice(&problem.noise_start(strength));
+        values.push(inertia * swing.stiffness);
+        fit(problem, &effects, &values, SKETCH)
+    };
+    best_of(problem, &effects, STRENGTHS.into_par_iter().filter_map(sketch).collect())
+}
+
 fn hanging(problem: &Problem<'_>, before: &Fit, pair: [&'static dyn Effect; 2]) -> Option<Fit> {
     let angle = problem.data.mean_angle()?;
     let effects = [&before.effects[..], &pair].concat();
     let input = problem.data.mean_input();
-    let noise = problem.noise_range();
     let sketch = |(share, strength): (f64, f64)| {
         let mut values = before.minimum.values.clone();
         let stiffness = share * problem.sizes.moment / problem.sizes.theta;
         let gain = problem.unpack(&before.effects, &values).plant.dm_du;
-        values[noise.clone()].copy_from_slice(&problem.noise_start(strength));
+        values[problem.noise_range()].copy_from_slice(&problem.noise_start(strength));
         let holds = stiffness * angle.sin() - gain * input;
         values.extend([stiffness, if is_trim(pair[1]) { holds } else { holds / stiffness }]);
         fit(problem, &effects, &values, SKETCH)
     };
     let starts: Vec<(f64, f64)> =
         SHARES.iter().flat_map(|&share| STRENGTHS.map(|strength| (share, strength))).collect();
-    let sketches: Vec<Fit> = starts.into_par_iter().filter_map(sketch).collect();
+    best_of(problem, &effects, starts.into_par_iter().filter_map(sketch).collect())
+}
+
+/// The best of several sketches, fitted to the end.
+fn best_of(problem: &Problem<'_>, effects: &[&'static dyn Effect], sketches: Vec<Fit>) -> Option<Fit> {
     let best = sketches.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion()))?;
-    refit(problem, &effects, &best.minimum.values)
+    refit(problem, effects, &best.minimum.values)
 }
 
 #[cfg(test)]
@@ -109,5 +135,35 @@ mod tests {
         assert_eq!(fits[1].0, ["gravity_stiffness"]);
         let level = flight_with(3, |_, _, angle| -stiffness * angle.sin());
         assert_eq!(asked(&level, |problem, plain| about_another_zero(problem, plain, PAIRS[0]).len()), 0);
+    }
+    #[test]
+    fn a_pendulum_that_the_command_hardly_moves_is_found_by_its_swing() {
+        let stiffness = 6.0;
+        let swings = flight_with(3, |_, _, angle| -stiffness * angle.sin());
+        asked(&swings, |problem, plain| {
+            let fit = about_zero(problem, plain).unwrap();
+            let value = fit.minimum.values[fit.range_of(problem, "gravity_stiffness").unwrap()][0];
+            assert!((value / stiffness - 1.0).abs() < 0.1, "{value}");
+            assert!(plain.criterion() - fit.criterion() > 30.0);
+            assert!(about_zero(problem, &fit).is_none(), "it has one");
+        });
+        let free = flight_with(3, |_, _, _| 0.0);
+        asked(&free, |problem, plain| assert!(about_zero(problem, plain).is_none(), "it does not swing"));
+    }
+
+    #[test]
+    fn a_spring_may_be_as_stiff_as_the_motion_is_quick_however_weak_the_command() {
+        let swings = flight_with(3, |_, _, angle| -6.0 * angle.sin());
+        let sizes = |gain: f64| {
+            asked(&swings, |problem, _| {
+                let plant = &problem.baseline.plant;
+                problem.data.amplitudes(plant.inertia, gain * plant.dm_du)
+            })
+        };
+        let (strong, weak) = (sizes(1.0), sizes(1e-3));
+        assert!(weak.moment < 2e-3 * strong.moment && weak.moves == strong.moves);
+        assert_eq!((strong.acting(), weak.acting()), (strong.moment.max(strong.moves), weak.moves));
+        let most = |sizes| GravityStiffness.parameters(&sizes)[0].upper;
+        assert!(most(strong) > 6.0 && most(weak) > 6.0);
     }
 }

@@ -8,7 +8,7 @@
 //! E is the calibrated evidence of [`crate::likelihood::evidence`], the prior that of [`super::prior`]. A term is added while that
 //! raises the posterior; then every term is dropped, and exchanged for every other, until no such step does.
 
-use super::another_zero::{PAIRS, about_another_zero};
+use super::another_zero::{PAIRS, about_another_zero, about_zero};
 use super::change_point::best_moment;
 use super::excerpt::{carried, excerpt};
 use super::levels::{MOST_TERMS, PLAUSIBLE};
@@ -16,6 +16,7 @@ use super::posterior::{Selection, Visited, is_shape};
 use super::prior::log_prior;
 use super::rotation::all_but_the_same;
 use super::search::{Prospect, fit_one_more, screen};
+use crate::catalogue::gravity_stiffness::GravityStiffness;
 use crate::catalogue::roll_off::RollOff;
 use crate::catalogue::shapes::SHAPES;
 use crate::catalogue::slow_moment::SlowMoment;
@@ -255,12 +256,11 @@ impl Search<'_, '_> {
                 None => Some(other.clone()),
             }
         };
-        let asked = |pair: &[&'static dyn Effect; 2]| {
-            pair.iter().all(|e| missing.iter().any(|other| other.about().id == e.about().id))
-        };
-        let pairs = PAIRS.into_iter().filter(asked);
+        let asked_of = |e: &dyn Effect| missing.iter().any(|other| other.about().id == e.about().id);
+        let pairs = PAIRS.into_iter().filter(|pair| pair.iter().all(|e| asked_of(*e)));
         let hanging: Vec<Fit> = pairs.flat_map(|pair| about_another_zero(self.problem, &fit, pair)).collect();
-        let fits: Vec<Fit> = fits.par_iter().filter_map(needed).chain(hanging).collect();
+        let swinging = if asked_of(&GravityStiffness) { about_zero(self.problem, &fit) } else { None };
+        let fits: Vec<Fit> = fits.par_iter().filter_map(needed).chain(hanging).chain(swinging).collect();
         let after = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
         Round { before, after }
     }

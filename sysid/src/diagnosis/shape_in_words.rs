@@ -222,6 +222,7 @@ mod tests {
         turned: 0.8,
         angles: [0.0; 3],
         moment: 0.35,
+        moves: 0.0,
         step: 0.02,
         duration: 98.0,
         rate_limit: None,

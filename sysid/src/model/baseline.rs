@@ -51,6 +51,13 @@ pub fn is_likely_gain(data: &Dataset, dm_du: f64) -> bool {
     known.is_empty() || known.iter().any(|found| (found.dm_du / dm_du).abs().ln().abs() < TOLERABLE)
 }
 
+/// The vehicle as the regression of angle and rate has it (without a measured angle the rate's sum is taken for one); `None` where
+/// these leave more than half of what the rate alone does: nothing swings.
+pub fn swing_of(data: &Dataset) -> Option<Regression> {
+    let [turning, swinging] = regressions(data);
+    (swinging.error < 0.5 * turning.error && swinging.stiffness > 0.0).then_some(swinging)
+}
+
 /// Values to start from for a rig of unknown inertia: least squares over m samples, over which q decorrelates a little, and over
 /// the delay d, of
 ///
@@ -62,17 +69,22 @@ pub fn is_likely_gain(data: &Dataset, dm_du: f64) -> bool {
 /// that the first line does not show.
 fn regression(data: &Dataset) -> Plant {
     let [turning, swinging] = regressions(data);
-    let best = if swinging.error < 0.5 * turning.error { swinging } else { turning };
+    let best = if data.has_angle && swinging.error < 0.5 * turning.error { swinging } else { turning };
     Plant { inertia: 1.0, dm_dq: best.dm_dq, dm_du: best.dm_du, delay: best.delay, mount: None }
 }
 
-/// What a regression has found.
-struct Regression {
+/// What a regression has found, per unit inertia.
+pub struct Regression {
     /// Mean square error of the rate; infinite where there is no such plant.
     error: f64,
-    dm_dq: f64,
-    dm_du: f64,
-    delay: f64,
+    /// ∂M/∂q, 1/s.
+    pub dm_dq: f64,
+    /// ∂M/∂u, rad/s² per unit of the input.
+    pub dm_du: f64,
+    /// −∂M/∂θ, 1/s².
+    pub stiffness: f64,
+    /// Loop delay, s.
+    pub delay: f64,
 }
 
 /// Of the rate alone, and of angle and rate.
@@ -82,7 +94,8 @@ fn regressions(data: &Dataset) -> [Regression; 2] {
     let stride = decorrelation(&rates).min((0.1 / step).ceil() as usize).max(1);
     let longest = (0.15 / step).ceil() as usize;
     let span = stride as f64 * step;
-    let none = || Regression { error: f64::INFINITY, dm_dq: -1.0, dm_du: 1.0, delay: 0.0 };
+    let none = || Regression { error: f64::INFINITY, dm_dq: -1.0, dm_du: 1.0, stiffness: 0.0, delay: 0.0 };
+    let angles: Vec<Vec<f64>> = data.runs.iter().map(crate::dataset::Run::angle_or_sum).collect();
     let mut best = [none(), none()];
     if !data.input_changes() {
         return best;
@@ -92,11 +105,11 @@ fn regressions(data: &Dataset) -> [Regression; 2] {
         let of_rate = turning(data, &rates, stride, rows).map(|(error, [a, b])| {
             let a = a.clamp(0.05, 0.999);
             let decay = -a.ln() / span;
-            Regression { error, dm_dq: -decay, dm_du: b * decay / (1.0 - a), delay }
+            Regression { error, dm_dq: -decay, dm_du: b * decay / (1.0 - a), stiffness: 0.0, delay }
         });
-        let of_both = swing(data, &rates, stride, rows).and_then(|(error, transition, input)| {
-            let (dm_dq, dm_du) = continuous(&transition, &input, span)?;
-            Some(Regression { error, dm_dq, dm_du, delay })
+        let of_both = swing(data, &angles, &rates, stride, rows).and_then(|(error, transition, input)| {
+            let [stiffness, dm_dq, dm_du] = continuous(&transition, &input, span)?;
+            Some(Regression { error, dm_dq, dm_du, stiffness, delay })
         });
         for (best, found) in best.iter_mut().zip([of_rate, of_both]) {
             if let Some(found) = found
@@ -109,17 +122,17 @@ fn regressions(data: &Dataset) -> [Regression; 2] {
     best
 }
 
-/// Rows of a regression: rate (or angle and rate) and mean input at k, and what they have become m samples later.
+/// Rows of a regression: run, its rate, k and mean input there.
 fn rows<'a>(
     data: &'a Dataset,
     rates: &'a [Vec<f64>],
     stride: usize,
     delay: usize,
-) -> impl Iterator<Item = (&'a crate::dataset::Run, &'a [f64], usize, f64)> + 'a {
-    data.runs.iter().zip(rates).flat_map(move |(run, rate)| {
+) -> impl Iterator<Item = (usize, &'a [f64], usize, f64)> + 'a {
+    data.runs.iter().zip(rates).enumerate().flat_map(move |(index, (run, rate))| {
         (delay..run.len().saturating_sub(stride)).map(move |k| {
             let input = run.u[k - delay..k - delay + stride].iter().sum::<f64>() / stride as f64;
-            (run, rate.as_slice(), k, input)
+            (index, rate.as_slice(), k, input)
         })
     })
 }
@@ -138,10 +151,10 @@ fn turning(data: &Dataset, rates: &[Vec<f64>], stride: usize, delay: usize) -> O
     Some(((power - solution.dot(&right)) / count, [solution[0], solution[1]]))
 }
 
-/// Mean square error of the rate, transition of (θ, q) over the stride and what the input adds, for one delay. `None` where the
-/// angle is not measured.
+/// Mean square error of the rate, transition of (θ, q) over the stride and what the input adds, for one delay.
 fn swing(
     data: &Dataset,
+    angles: &[Vec<f64>],
     rates: &[Vec<f64>],
     stride: usize,
     delay: usize,
@@ -149,7 +162,7 @@ fn swing(
     let (mut normal, mut right) = (Matrix4::zeros(), Matrix4x2::zeros());
     let (mut power, mut count) = (0.0, 0.0);
     for (run, rate, k, input) in rows(data, rates, stride, delay) {
-        let angle = run.angle.as_ref()?;
+        let angle = &angles[run];
         let row = Vector4::new(angle[k], rate[k], input, 1.0);
         let later = Vector2::new(angle[k + stride], rate[k + stride]);
         normal += row * row.transpose();
@@ -163,9 +176,9 @@ fn swing(
     Some((error, transition, solution.row(2).transpose()))
 }
 
-/// ∂M/∂q and ∂M/∂u of the continuous plant whose angle and rate go over by `transition` within `span` s, the input adding `input`:
+/// −∂M/∂θ, ∂M/∂q and ∂M/∂u of the continuous plant whose angle and rate go over by `transition` within `span` s, the input adding `input`:
 /// the logarithm of a matrix with a pair of complex eigenvalues. `None` where it does not swing.
-fn continuous(transition: &Matrix2<f64>, input: &Vector2<f64>, span: f64) -> Option<(f64, f64)> {
+fn continuous(transition: &Matrix2<f64>, input: &Vector2<f64>, span: f64) -> Option<[f64; 3]> {
     let (half, product) = (0.5 * transition.trace(), transition.determinant());
     let imaginary = (product - half * half).sqrt();
     if imaginary.is_nan() || imaginary <= 0.0 {
@@ -176,7 +189,7 @@ fn continuous(transition: &Matrix2<f64>, input: &Vector2<f64>, span: f64) -> Opt
         + (transition - Matrix2::identity() * half) * turn)
         / span;
     let gain = (transition - Matrix2::identity()).try_inverse()? * generator * input;
-    Some((generator[(1, 1)].min(0.0), gain[1]))
+    Some([-generator[(1, 0)], generator[(1, 1)].min(0.0), gain[1]])
 }
 
 #[cfg(test)]
@@ -190,8 +203,8 @@ mod tests {
         let transition = (generator * 0.1).exp();
         let input =
             generator.try_inverse().unwrap() * (transition - Matrix2::identity()) * Vector2::new(0.0, 7.0);
-        let (dm_dq, dm_du) = continuous(&transition, &input, 0.1).unwrap();
-        assert!((dm_dq + 0.6).abs() < 1e-9 && (dm_du - 7.0).abs() < 1e-9, "{dm_dq} {dm_du}");
+        let found = continuous(&transition, &input, 0.1).unwrap();
+        assert!(found.iter().zip([40.0, -0.6, 7.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
         assert!(continuous(&Matrix2::new(1.0, 0.1, 0.0, 0.9), &input, 0.1).is_none());
     }
 }

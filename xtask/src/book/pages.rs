@@ -20,6 +20,7 @@ const SIZES: Amplitudes = Amplitudes {
     turned: 0.8,
     angles: [0.0; 3],
     moment: 0.345,
+    moves: 0.0,
     step: 0.02,
     duration: 90.0,
     rate_limit: None,

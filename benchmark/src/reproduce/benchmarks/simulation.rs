@@ -172,6 +172,7 @@ mod tests {
             turned: 3.0,
             angles: [0.0; 3],
             moment: 2.6,
+            moves: 0.0,
             step: STEP,
             duration: 15.0,
             rate_limit: None,

@@ -45,6 +45,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         turned: 0.8,
         angles: [0.0; 3],
         moment: 0.35,
+        moves: 0.0,
         step: STEP,
         duration: rows as f64 * STEP,
         rate_limit: None,
