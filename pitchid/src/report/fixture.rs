@@ -57,6 +57,7 @@ pub fn answer(verdict: Verdict, effects: &[(&str, f64)], rivals: &[&str]) -> Ans
         baseline: vaf(79.6),
         extended: vaf(96.3),
         past_alone: 40.0,
+        past_alone_far: 10.0,
         share_of_motion: 0.5,
         terms: Vec::new(),
     };

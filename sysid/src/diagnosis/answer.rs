@@ -245,6 +245,8 @@ pub struct HeldOutAnswer {
     pub extended: VafAnswer,
     /// VAF 0.1 s ahead of a prediction from the outputs' past alone, per cent: what the input adds is beyond that.
     pub past_alone: f64,
+    /// The same 1 s ahead.
+    pub past_alone_far: f64,
     /// Its share of the motion of all sections (squares about the mean), by which it counts in a mean over them.
     pub share_of_motion: f64,
     /// Its terms.

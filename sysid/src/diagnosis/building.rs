@@ -148,6 +148,7 @@ fn held_out(part: &super::rotation::HeldOut) -> HeldOutAnswer {
         baseline: vaf(&part.baseline),
         extended: vaf(&part.extended),
         past_alone: part.past_alone,
+        past_alone_far: part.past_alone_far,
         share_of_motion: part.share_of_motion,
         terms: part.chosen.iter().map(|id| (*id).to_owned()).collect(),
     }

@@ -1,6 +1,7 @@
 //! Every sentence of the answer that a person reads.
 
 use super::answer::{Answer, EffectAnswer, HeldOutAnswer, Predicted, VafAnswer, Verdict};
+use super::levels::SEEN;
 use super::rotation::mean_by_motion;
 use super::verdict::Objection;
 use crate::catalogue::find;
@@ -13,6 +14,14 @@ pub fn summary(answer: &Answer, objection: Option<Objection>) -> String {
             "No mismatch that matters: the model, its parameters estimated again, leaves next to nothing of the motion ({}).",
             figures(answer, false)
         ),
+        Verdict::NoMismatch if predicts(answer) && the_past_tells_it(answer.fit.held_out.values()) => {
+            format!(
+                "No mismatch that these data would show, and the input's part in the motion does not show either: of the next second the past \
+             of the motion alone tells {} ({}). Design nothing on the gain; log what the input does by itself (steps, a sweep) for longer.",
+                in_percent(mean(answer, |part| Some(part.past_alone_far))),
+                figures(answer, false)
+            )
+        }
         Verdict::NoMismatch if answer.fit.predicted.is_none() || predicts(answer) => format!(
             "No mismatch: the model, its parameters estimated again, explains the data down to the noise ({}).",
             figures(answer, false)
@@ -123,6 +132,19 @@ pub fn predicts(answer: &Answer) -> bool {
     answer.fit.predicted.is_some_and(|predicted| predicted != Predicted::Little)
 }
 
+/// Whether the past of the motion alone tells more than half of the next second, and as much as the model does, where that is judged.
+fn the_past_tells_it<'a>(parts: impl Iterator<Item = &'a HeldOutAnswer>) -> bool {
+    let judged = parts.filter_map(|part| Some((part, part.extended.horizons.get("1.0")?.value)));
+    let (past, model): (Vec<_>, Vec<_>) = judged
+        .map(|(part, vaf)| {
+            let share = part.share_of_motion;
+            ((share, Some(part.past_alone_far)), (share, Some(vaf)))
+        })
+        .unzip();
+    let [past, model] = [past, model].map(|parts| mean_by_motion(parts.into_iter()));
+    past >= SEEN && past >= model
+}
+
 /// Mean of `figure` over the parts held out that have one, by their share of the motion.
 fn mean(answer: &Answer, figure: impl Fn(&HeldOutAnswer) -> Option<f64>) -> f64 {
     mean_by_motion(answer.fit.held_out.values().map(|part| (part.share_of_motion, figure(part))))
@@ -190,7 +212,24 @@ pub fn in_a_phrase(effect: &EffectAnswer) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::in_percent;
+    use super::*;
+    use crate::diagnosis::answer::WithError;
+
+    #[test]
+    fn what_the_past_tells_as_well_is_not_the_inputs_doing() {
+        let part = |share_of_motion, past_alone_far, ahead: Option<f64>| {
+            let told = ahead.map(|value| ("1.0", WithError { value, standard_error: 1.0 }));
+            let extended = VafAnswer { free_run: 0.0, horizons: told.into_iter().collect() };
+            let (baseline, terms) = (VafAnswer::default(), Vec::new());
+            HeldOutAnswer { baseline, extended, past_alone: 99.0, past_alone_far, share_of_motion, terms }
+        };
+        let tells = |parts: &[HeldOutAnswer]| the_past_tells_it(parts.iter());
+        assert!(tells(&[part(0.7, 87.0, Some(84.0)), part(0.3, 60.0, Some(66.0))]), "78.9 % and 78.6 %");
+        assert!(!tells(&[part(1.0, 83.0, Some(84.0))]));
+        assert!(!tells(&[part(1.0, 40.0, Some(30.0))]), "little is told by either");
+        assert!(!tells(&[part(0.5, 95.0, None), part(0.5, 20.0, Some(80.0))]), "not judged");
+        assert!(!tells(&[]));
+    }
 
     #[test]
     fn a_figure_near_a_hundred_keeps_what_it_leaves() {

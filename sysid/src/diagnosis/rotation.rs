@@ -43,6 +43,8 @@ pub struct HeldOut {
     pub extended: Scores,
     /// VAF at the first of the horizons of a prediction from the outputs' past alone, fitted without it, per cent.
     pub past_alone: f64,
+    /// The same at the longest horizon.
+    pub past_alone_far: f64,
     /// Its share of the motion of all parts (squares about the mean): what it weighs in a mean over them.
     pub share_of_motion: f64,
     /// Ids of the terms that were chosen without it.
@@ -191,11 +193,13 @@ pub fn rotate(
             .filter(|(i, _)| *i != index)
             .flat_map(|(_, part)| part.places.clone())
             .collect();
+        let past_alone = |horizon| vaf_of_the_past_alone(problem, &others, &part.places, horizon);
         rotations.push(HeldOut {
             label: part.label.clone(),
             baseline: scores(selection.baseline, baseline),
             extended: scores(models[best], chosen),
-            past_alone: vaf_of_the_past_alone(problem, &others, &part.places, HORIZONS_S[0]),
+            past_alone: past_alone(HORIZONS_S[0]),
+            past_alone_far: past_alone(HORIZONS_S[HORIZONS_S.len() - 1]),
             share_of_motion: problem.data.motion(&part.places),
             chosen: ids(models[best]),
             places: part.places.clone(),
