@@ -100,6 +100,22 @@ fn a_few_rows_with_the_stamp_of_another_are_spread_and_many_are_refused() {
     assert!(recording.t.iter().zip(&whole.t).all(|(a, b)| (a - b).abs() < 1e-6));
     let told = notes(&recording, NoteKind::Snapped);
     assert!(told[0].starts_with("3 rows with the stamp of the row before"), "{told:?}");
+    // a repetition among them is one all the same
+    let again: [(usize, &[u8]); 3] =
+        [(202, b"4.04,0.01,0.104"), (203, b"4.04,0.01,0.104"), (204, b"4.04,0.02,0.106")];
+    let recording = parse("good.csv", &garbled(&again), &options).unwrap();
+    assert_eq!(notes(&recording, NoteKind::Duplicate).len(), 1);
+    assert!(notes(&recording, NoteKind::Snapped)[0].starts_with("1 row with the stamp"));
+    // after a gap they are the last of it
+    let late: Vec<(usize, Vec<u8>)> = (202..402)
+        .map(|line| (line, format!("{},0.02,0.{}", 12.0 + 0.02 * line as f64, line % 7).into_bytes()))
+        .collect();
+    let mut late: Vec<(usize, &[u8])> = late.iter().map(|(line, text)| (*line, text.as_slice())).collect();
+    let first = format!("{},0.01,0.4", 12.0 + 0.02 * 203.0);
+    late[0].1 = first.as_bytes();
+    let recording = parse("good.csv", &garbled(&late), &options).unwrap();
+    assert_eq!(recording.segments.len(), 2);
+    assert!((recording.t[200] - 16.04).abs() < 1e-6, "{}", recording.t[200]);
     let many: Vec<(usize, Vec<u8>)> = (10..15)
         .map(|k| (2 * k, format!("{},0.02,0.{}", 0.02 * (2 * k - 1) as f64, 100 + k).into_bytes()))
         .collect();

@@ -67,9 +67,9 @@ pub fn about_another_zero(problem: &Problem<'_>, before: &Fit, pair: [&'static d
     both.into_iter().chain(alone).collect()
 }
 
-/// `before` with gravity, where the motion swings by a regression ([`swing_of`]) and hangs at zero: a pendulum that was let go, or
-/// that the air keeps swinging, moves by itself more than by the command, and a disturbance that has settled on its frequency leaves
-/// nothing for a spring to be found by.
+/// `before` with gravity, where the motion swings by a regression ([`swing_of`]) and hangs at zero: a pendulum that the air keeps
+/// swinging moves by itself more than by the command, and a disturbance that has settled on its frequency leaves nothing for a spring
+/// to be found by.
 pub fn about_zero(problem: &Problem<'_>, before: &Fit) -> Option<Fit> {
     if problem.hangs_aside || before.effects.iter().any(|e| SPRINGS.contains(&e.about().id)) {
         return None;

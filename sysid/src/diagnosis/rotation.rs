@@ -145,13 +145,10 @@ pub fn rotate(
         let Some(Some(baseline)) = at(selection.baseline).map(|i| turned[i].as_ref()) else { continue };
         let Some(Some(of_answer)) = at(place).map(|i| turned[i].as_ref()) else { continue };
         let probable = |i: &usize| {
-            let Some(other) = turned[*i].as_ref() else { return f64::NEG_INFINITY };
-            let visited = &selection.visited[models[*i]];
-            let divisor = visited.divisor_against(problem, answer);
-            match visited.log_posterior_with(problem, other.deviance, divisor) {
-                f64::NEG_INFINITY => f64::NEG_INFINITY,
-                own => own - answer.log_posterior_with(problem, of_answer.deviance, divisor),
-            }
+            turned[*i].as_ref().map_or(f64::NEG_INFINITY, |other| {
+                let deviances = [other.deviance, of_answer.deviance];
+                selection.visited[models[*i]].above_with(problem, answer, deviances)
+            })
         };
         let Some(best) = (0..models.len()).max_by(|a, b| probable(a).total_cmp(&probable(b))) else {
             continue;

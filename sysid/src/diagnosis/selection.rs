@@ -321,7 +321,8 @@ impl Search<'_, '_> {
         let all = (0..self.visited.len()).filter(|&i| count(&self.visited[i]));
         let above = |&i: &usize| self.visited[i].above(self.problem, &self.visited[current]);
         let best = all.max_by(|a, b| above(a).total_cmp(&above(b)));
-        best.filter(|best| above(best) > SAME).unwrap_or(current)
+        let least = if self.visited[current].is_candidate(self.problem) { SAME } else { f64::NEG_INFINITY };
+        best.filter(|best| above(best) > least).unwrap_or(current)
     }
 
     /// The most probable of those without a shape.

@@ -63,9 +63,12 @@ pub(super) fn assign(
     let from_maps = sources.len();
     for (index, name) in header.iter().enumerate() {
         let Some((role, factor)) = Role::of(name) else { continue };
-        // A motion that was asked for as another one is not that of its own name as well: a roll rate that is to be the rate has no roll
+        // A column that was asked for as another one is not that of its own name as well: a roll rate that is to be the rate has no roll
         // beside it.
-        let is_another = |s: &Source| role.is_motion() && s.role.is_motion() && s.places.contains(&index);
+        let alike =
+            |s: &Source| role.is_motion() && s.role.is_motion() || role.is_command() && s.role.is_command();
+        let is_another =
+            |s: &Source| alike(s) && s.expression.as_column().is_some() && s.places.contains(&index);
         if sources[..from_maps].iter().any(|s| s.role.same_slot(role) || is_another(s)) {
             continue;
         }

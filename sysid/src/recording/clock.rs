@@ -56,8 +56,9 @@ pub(super) fn onto_grid(
 ) -> Result<Grid, Error> {
     let needed = options.min_samples.max(3);
     let expected = format!("at least {needed} samples without a gap");
-    same_stamps::spread(table, same_values, notes);
-    drop_duplicates(table, notes)?;
+    drop_duplicates(table, notes);
+    same_stamps::spread(table, notes);
+    refuse_bad_order(table)?;
     if table.t.len() < needed {
         return Err(too_short(table.t.len(), 0.0).expecting(expected));
     }
@@ -90,22 +91,18 @@ pub(super) fn onto_grid(
     Ok(Grid { step, segments })
 }
 
-/// Drops rows that repeat the one before in time and all values; refuses other stamps that do not grow.
-fn drop_duplicates(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), Error> {
-    let (mut dropped, mut wrong): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
-    for row in 1..table.t.len() {
-        let (before, now) = (table.t[row - 1], table.t[row]);
-        if now < before || now == before && !same_values(table, row) {
-            wrong.push(row);
-        } else if now == before {
-            dropped.push(row);
-        }
-    }
+/// Refuses stamps that do not grow.
+fn refuse_bad_order(table: &Table) -> Result<(), Error> {
+    let wrong: Vec<usize> = (1..table.t.len()).filter(|&row| table.t[row] <= table.t[row - 1]).collect();
     let told = wrong.iter().take(Error::MOST_TOLD).map(|&row| bad_order(table, row)).collect();
-    if let Some(error) = Error::of_several(told, wrong.len()) {
-        return Err(error);
-    }
-    let (Some(&first), Some(&last)) = (dropped.first(), dropped.last()) else { return Ok(()) };
+    Error::of_several(told, wrong.len()).map_or(Ok(()), Err)
+}
+
+/// Drops rows that repeat the one before in time and all values.
+fn drop_duplicates(table: &mut Table, notes: &mut Vec<Note>) {
+    let again = |row: &usize| table.t[*row] == table.t[row - 1] && same_values(table, *row);
+    let dropped: Vec<usize> = (1..table.t.len()).filter(again).collect();
+    let (Some(&first), Some(&last)) = (dropped.first(), dropped.last()) else { return };
     let text = format!(
         "{} dropped: same time and values as the row before (first {}t = {} s)",
         counted(dropped.len(), "duplicate row"),
@@ -114,7 +111,6 @@ fn drop_duplicates(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), Error
     );
     notes.push(Note::over(NoteKind::Duplicate, table.t[first], table.t[last], text));
     table.remove(&dropped);
-    Ok(())
 }
 
 fn same_values(table: &Table, row: usize) -> bool {

@@ -108,13 +108,13 @@ pub struct Section {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum NoteKind {
-    /// A column was converted or mapped.
+    /// A column was converted, mapped, or made continuous over full turns.
     Converted,
     /// Columns that were not used.
     Ignored,
     /// Section labels were replaced, or say nothing.
     Sections,
-    /// Time stamps jitter by a few per cent of the step and were snapped to the grid.
+    /// Time stamps jitter by a few per cent of the step, or stand still in a few rows, and were put right.
     Snapped,
     /// The step varies; the data were resampled.
     Resampled,
@@ -195,7 +195,7 @@ pub fn as_csv(name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 /// Whatever makes the data unusable: no UTF-8 CSV, a column missing, double or contradictory, text or an infinity where
-/// a number belongs, time stamps that stand still, run backwards or have an impossible step, too few samples, options that fit nothing
+/// a number belongs, time stamps that stand still in more than one row in a hundred, run backwards or have an impossible step, too few samples, options that fit nothing
 /// in the file. Cells that are empty or NaN are gaps, and so is what a garbled line lacks where one line in a hundred or fewer are, and a
 /// row whose stamp alone is out of order. The error names file, line, column, what was found and what to do, and
 /// what else is wrong with cells and time stamps of the same file.

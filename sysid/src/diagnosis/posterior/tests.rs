@@ -230,7 +230,7 @@ fn a_term_is_calibrated_by_its_own_blocks_and_told_by_what_the_whole_gains() {
         let one = &models.visited[1];
         assert_eq!([all.divisor_against(problem, one), one.divisor_against(problem, all)], [divisors[1]; 2]);
         let crossed = one.divisor_against(problem, &models.visited[2]);
-        assert!(crossed >= one.divisor(problem).max(models.visited[2].divisor(problem)), "{crossed}");
+        assert_eq!(crossed, one.divisor(problem).max(models.visited[2].divisor(problem)));
         let by_own = [all, one].map(|visited| visited.log_posterior(problem, divisors[1]));
         assert_eq!(
             [all.above(problem, one), one.above(problem, all)],
