@@ -3,8 +3,9 @@
 use super::answer::{Answer, EffectAnswer, HeldOutAnswer, Predicted, VafAnswer, Verdict};
 use super::rotation::mean_by_motion;
 use super::verdict::Objection;
-use crate::catalogue::find;
+use crate::catalogue::{CATALOGUE, find};
 use crate::estimate::{Estimate, digits};
+use crate::model::effect::Effect;
 
 /// One to three sentences with numbers and units, and what speaks against names that are not the answer.
 pub fn summary(answer: &Answer, objection: Option<Objection>) -> String {
@@ -62,6 +63,9 @@ pub fn summary(answer: &Answer, objection: Option<Objection>) -> String {
         }
         Verdict::NotExcited | Verdict::CheckData => String::new(),
     };
+    for words in in_other_words(&answer.effects) {
+        text += &words;
+    }
     if answer.verdict == Verdict::Ambiguous {
         for effect in answer.effects.iter().filter(|e| !e.alternatives.is_empty()) {
             let rivals: Vec<String> = effect
@@ -106,6 +110,20 @@ fn off_in_model(answer: &Answer) -> String {
         }
     }
     text
+}
+
+/// That what several names say together is one effect of the catalogue in other words.
+fn in_other_words(effects: &[EffectAnswer]) -> impl Iterator<Item = String> + '_ {
+    let told = |id: &&str| effects.iter().any(|effect| effect.id == **id);
+    let restates =
+        move |effect: &&&dyn Effect| effect.restates().len() > 1 && effect.restates().iter().all(told);
+    CATALOGUE.iter().filter(restates).map(|effect| {
+        format!(
+            " Of {} no motion tells {}: the two say the same.",
+            effect.restates().join(" and "),
+            effect.about().id
+        )
+    })
 }
 
 /// Why no name is the answer.

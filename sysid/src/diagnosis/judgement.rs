@@ -8,7 +8,7 @@ use super::input_line::input_has_line;
 use super::levels::{ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, WORTH_A_NAME};
 use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
-use super::posterior::{Finding, Selection};
+use super::posterior::{Finding, Selection, says};
 use super::predicted::ahead;
 use super::rotation::{Rotation, TermGain, rotate};
 use super::verdict::Grounds;
@@ -179,6 +179,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         }
         let [small, named] =
             [small, named].map(|some| some.into_iter().map(|(_, f)| f).collect::<Vec<Finding>>());
+        let named = told_once(&selection, named);
         let predicted = Predicted::new(&rotation);
         let little_seen = predicted == Predicted::Little;
         // of a motion told to its last hundredths what has neither name nor form is significant, and not material
@@ -315,6 +316,21 @@ fn with_names_alone<'f>(
     let values: Vec<f64> = (0..problem.noise_range().end).chain(own).map(|i| fit.minimum.values[i]).collect();
     let effects: Vec<&'static dyn Effect> = kept.iter().map(|&i| fit.effects[i]).collect();
     refit(problem, &effects, &values)
+}
+
+/// The names without the rivals that say the same in other words, as friction that differs each way beside friction and a constant
+/// moment that are both named, or these instead of it. Their probabilities are the name's own.
+fn told_once(selection: &Selection, named: Vec<Finding>) -> Vec<Finding> {
+    let effects: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
+    let merged = |finding: Finding| {
+        let with_rival = |place: usize| &selection.visited[place].fit.effects[..];
+        let (same, rivals): (Vec<_>, Vec<_>) = finding.rivals.into_iter().partition(|(rival, _, place)| {
+            says(&effects, *rival) || says(with_rival(*place), finding.effect)
+        });
+        let probability = same.iter().fold(finding.probability, |all, (_, p, _)| (all + p).min(1.0));
+        Finding { rivals, probability, ..finding }
+    };
+    named.into_iter().map(merged).collect()
 }
 
 /// Whether a term gains more on held-out data than chance gives.

@@ -177,7 +177,7 @@ impl Selection {
         let model = &self.visited[place];
         let own = model.fit.own_range(problem, i);
         let divisor = model.information.divisor(own.clone());
-        let has = |v: &Visited| says(&v.fit.effects, effect);
+        let has = |v: &Visited| v.fit.position(effect.about().id).is_some();
         // What shapes stand beside it is given: a shape that holds the term as its special case does not speak against it.
         let beside = if is_shape(effect) { None } else { Some(model.shapes()) };
         let counts = |v: &&Visited| beside.as_ref().is_none_or(|beside| v.shapes() == *beside);
@@ -248,7 +248,9 @@ impl Selection {
         probability: impl Fn(&Visited) -> f64,
     ) -> Vec<(&'static dyn Effect, f64, usize)> {
         let mut rivals: Vec<(&'static dyn Effect, f64, usize)> = Vec::new();
-        for (i, other) in self.visited.iter().enumerate().filter(|(_, v)| !says(&v.fit.effects, effect)) {
+        for (i, other) in
+            self.visited.iter().enumerate().filter(|(_, v)| v.fit.position(effect.about().id).is_none())
+        {
             let mut further = other.fit.effects.clone();
             further.retain(|e| model.fit.position(e.about().id).is_none());
             let of_class = |e: &dyn Effect| effect.class().is_some_and(|class| e.class() == Some(class));
@@ -320,14 +322,12 @@ fn explains_the_same([model, rival]: [&Fit; 2], neither: &Fit, divisor: f64) -> 
     log_ratio < -PLAUSIBLE.ln() && apart(rival) < SAME_SHARE * apart(neither)
 }
 
-/// Whether `effects` say what `effect` says, be it in other words: dry friction that differs each way is friction and a constant
-/// moment, and the other way round. One that restates a single other does so nearly, and no more.
+/// Whether `effects` say what `effect` says, be it in other words: friction and a constant moment together are dry friction that
+/// differs each way. One that restates a single other does so nearly, and no more.
 pub fn says(effects: &[&'static dyn Effect], effect: &dyn Effect) -> bool {
     let has = |id: &str| effects.iter().any(|e| e.about().id == id);
-    let words = |effect: &dyn Effect| Some(effect.restates()).filter(|ids| ids.len() > 1);
-    has(effect.about().id)
-        || words(effect).is_some_and(|ids| ids.iter().all(|id| has(id)))
-        || effects.iter().any(|e| words(*e).is_some_and(|ids| ids.contains(&effect.about().id)))
+    let parts = effect.restates();
+    has(effect.about().id) || parts.len() > 1 && parts.iter().all(|id| has(id))
 }
 
 /// Whether an effect is a shape without a name.

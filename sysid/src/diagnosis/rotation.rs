@@ -8,7 +8,7 @@
 use super::levels::HORIZONS_S;
 use super::parts::Part;
 use super::past_alone::vaf_of_the_past_alone;
-use super::posterior::{Finding, Selection, says};
+use super::posterior::{Finding, Selection};
 use crate::dataset::Place;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::{Fit, weights};
@@ -176,7 +176,7 @@ pub fn rotate(
                 vaf_over(problem, &problem.unpack(effects(m), &t.values), &part.places)
             };
             let points = free(place, with) - free(finding.without.unwrap_or(place), less);
-            let chosen = says(terms, finding.effect);
+            let chosen = terms.iter().any(|e| e.about().id == finding.effect.about().id);
             let of_kind = |other: &&'static dyn Effect| {
                 finding.rivals.iter().any(|(rival, ..)| rival.about().id == other.about().id)
                     || all_but_the_same(*other, finding.effect)
