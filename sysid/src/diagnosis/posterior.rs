@@ -62,7 +62,7 @@ pub struct Selection {
     pub named: usize,
     /// The same with shapes beside them.
     pub extended: usize,
-    /// The one that lies highest above these.
+    /// The most probable of all.
     pub fullest: usize,
 }
 
@@ -101,28 +101,6 @@ impl Visited {
         let effects = &self.fit.effects;
         let further = (0..effects.len()).filter(|&i| other.position(effects[i].about().id).is_none());
         self.information.divisor(further.flat_map(|i| self.fit.own_range(problem, i)))
-    }
-
-    /// κ of the terms that only one of this model and `other` has: the larger of the two.
-    pub fn divisor_against(&self, problem: &Problem<'_>, other: &Visited) -> f64 {
-        self.divisor_beyond(problem, &other.fit).max(other.divisor_beyond(problem, &self.fit))
-    }
-
-    /// By how much the log posterior lies above that of `other`, likelihoods calibrated by the terms in which they differ: that one
-    /// which both have is uneven says nothing of the others. −∞ where this model is none; that the other is none adds nothing.
-    pub fn above(&self, problem: &Problem<'_>, other: &Visited) -> f64 {
-        self.above_with(problem, other, [self.fit.criterion(), other.fit.criterion()])
-    }
-
-    /// The same with other criteria (those of a part of the data).
-    pub fn above_with(&self, problem: &Problem<'_>, other: &Visited, [own, others]: [f64; 2]) -> f64 {
-        let divisor = self.divisor_against(problem, other);
-        self.log_posterior_with(problem, own, divisor) - other.log_posterior_of_any(problem, others, divisor)
-    }
-
-    /// Whether it is a candidate: no term stands at a bound, nor has an interval that holds zero.
-    pub fn is_candidate(&self, problem: &Problem<'_>) -> bool {
-        self.log_posterior(problem, 1.0) > f64::NEG_INFINITY
     }
 
     /// Log posterior up to a constant, likelihoods calibrated by `divisor`.

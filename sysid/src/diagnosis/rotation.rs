@@ -1,7 +1,7 @@
 //! Every part of the data is held out once: its figures come from models that were selected and fitted without it.
 //!
-//! Among the models already visited, each fitted again without the part by one Gauss–Newton step, the one that lies highest above
-//! the answer's on the rest is judged on the part (Stone, J. R. Stat. Soc. B 36, 1974). A term is as certain as the rotations
+//! Among the models already visited, each fitted again without the part by one Gauss–Newton step, the most probable on the
+//! rest is the one that is judged on the part (Stone, J. R. Stat. Soc. B 36, 1974). A term is as certain as the rotations
 //! that choose it (Meinshausen and Bühlmann, J. R. Stat. Soc. B 72, 2010). When something set in is taken from the part in which
 //! it did.
 
@@ -9,6 +9,7 @@ use super::levels::HORIZONS_S;
 use super::parts::Part;
 use super::past_alone::vaf_of_the_past_alone;
 use super::posterior::{Finding, Selection};
+use crate::catalogue::find;
 use crate::dataset::Place;
 use crate::likelihood::evidence::BLOCK_S;
 use crate::likelihood::fit::{Fit, weights};
@@ -105,8 +106,7 @@ struct Turned {
     values: Vec<f64>,
     /// Innovations of all rows, run by run.
     innovations: Vec<Vec<Output>>,
-    /// −2 ln likelihood of the rest.
-    deviance: f64,
+    log_posterior: f64,
 }
 
 /// Mean of the values that there are, each by its share of the motion; 0 where there are none.
@@ -125,10 +125,11 @@ pub fn rotate(
     parts: &[Part],
     progress: &Progress<'_>,
 ) -> Rotation {
-    let answer = &selection.visited[place];
+    let divisor = selection.visited[place].divisor(problem);
+    let value = |i: usize| selection.visited[i].log_posterior(problem, divisor);
     let near = |i: &usize| {
         let asked = *i == place || *i == selection.baseline || findings.iter().any(|f| f.without == Some(*i));
-        asked || selection.visited[*i].above(problem, answer) > -WITHIN
+        asked || value(*i) > value(place) - WITHIN
     };
     let models: Vec<usize> = (0..selection.visited.len()).filter(near).collect();
     let at = |i: usize| models.iter().position(|&m| m == i);
@@ -137,19 +138,13 @@ pub fn rotate(
     let counted = Counted::new(progress, "holding out each section", models.len() * parts.len());
     for (index, part) in parts.iter().enumerate() {
         let turned = |&m: &usize| {
-            let turned = turn(problem, selection, m, index, &part.places);
+            let turned = turn(problem, selection, m, index, &part.places, divisor);
             counted.one();
             turned
         };
         let turned: Vec<Option<Turned>> = models.par_iter().map(turned).collect();
         let Some(Some(baseline)) = at(selection.baseline).map(|i| turned[i].as_ref()) else { continue };
-        let Some(Some(of_answer)) = at(place).map(|i| turned[i].as_ref()) else { continue };
-        let probable = |i: &usize| {
-            turned[*i].as_ref().map_or(f64::NEG_INFINITY, |other| {
-                let deviances = [other.deviance, of_answer.deviance];
-                selection.visited[models[*i]].above_with(problem, answer, deviances)
-            })
-        };
+        let probable = |i: &usize| turned[*i].as_ref().map_or(f64::NEG_INFINITY, |t| t.log_posterior);
         let Some(best) = (0..models.len()).max_by(|a, b| probable(a).total_cmp(&probable(b))) else {
             continue;
         };
@@ -164,7 +159,7 @@ pub fn rotate(
         let shapes = |m: usize| selection.visited[m].shapes();
         let alike = (0..models.len()).filter(|&i| shapes(models[i]) == shapes(place));
         let best_alike = alike.max_by(|a, b| probable(a).total_cmp(&probable(b)));
-        let terms = best_alike.map_or(&[][..], |i| effects(models[i]));
+        let terms = best_alike.map_or_else(Vec::new, |i| ids(models[i]));
         for (finding, gains) in findings.iter().zip(&mut gains) {
             let pair = at(place).zip(finding.without.and_then(at));
             let Some((Some(with), Some(less))) = pair.map(|(a, b)| (turned[a].as_ref(), turned[b].as_ref()))
@@ -176,10 +171,10 @@ pub fn rotate(
                 vaf_over(problem, &problem.unpack(effects(m), &t.values), &part.places)
             };
             let points = free(place, with) - free(finding.without.unwrap_or(place), less);
-            let chosen = terms.iter().any(|e| e.about().id == finding.effect.about().id);
-            let of_kind = |other: &&'static dyn Effect| {
-                finding.rivals.iter().any(|(rival, ..)| rival.about().id == other.about().id)
-                    || all_but_the_same(*other, finding.effect)
+            let chosen = terms.contains(&finding.effect.about().id);
+            let of_kind = |id: &&'static str| {
+                finding.rivals.iter().any(|(rival, ..)| rival.about().id == *id)
+                    || find(id).is_some_and(|other| all_but_the_same(other, finding.effect))
             };
             let in_kind = chosen || terms.iter().any(of_kind);
             gains.push(Turn { blocks, points, chosen, in_kind });
@@ -262,6 +257,7 @@ fn turn(
     m: usize,
     index: usize,
     places: &[Place],
+    divisor: f64,
 ) -> Option<Turned> {
     let visited = &selection.visited[m];
     let held = |run: usize, k: usize| places.iter().any(|p| p.run == run && p.rows.contains(&k));
@@ -285,7 +281,8 @@ fn turn(
     let tried = [step(&moment), step(&|i| noise.contains(&i) || moment(i)), own.clone()];
     let tried = tried.into_iter().filter_map(at);
     let (deviance, values, innovations) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(Turned { values, innovations, deviance })
+    let log_posterior = visited.log_posterior_with(problem, deviance, divisor);
+    Some(Turned { values, innovations, log_posterior })
 }
 
 /// Places of the unknowns that are moments in time. No part but its own tells when something set in, and a step along what is not

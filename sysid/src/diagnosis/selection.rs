@@ -316,13 +316,12 @@ impl Search<'_, '_> {
         self.best(after).filter(|&best| self.improvement(best, place) > 0.0).unwrap_or(place)
     }
 
-    /// The model that lies highest above the one at hand, of all that `count`.
+    /// The most probable of all models that `count`, with the divisor of the terms of the one at hand.
     pub fn best_of_all(&self, current: usize, count: impl Fn(&Visited) -> bool) -> usize {
+        let divisor = self.visited[current].divisor(self.problem);
         let all = (0..self.visited.len()).filter(|&i| count(&self.visited[i]));
-        let above = |&i: &usize| self.visited[i].above(self.problem, &self.visited[current]);
-        let best = all.max_by(|a, b| above(a).total_cmp(&above(b)));
-        let least = if self.visited[current].is_candidate(self.problem) { SAME } else { f64::NEG_INFINITY };
-        best.filter(|best| above(best) > least).unwrap_or(current)
+        let value = |i: usize| self.log_posterior(i, divisor) + if i == current { SAME } else { 0.0 };
+        all.max_by(|a, b| value(*a).total_cmp(&value(*b))).unwrap_or(current)
     }
 
     /// The most probable of those without a shape.
