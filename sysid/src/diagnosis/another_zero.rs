@@ -1,4 +1,4 @@
-//! A spring that acts about another zero than the angle's.
+//! A spring that acts about another zero than the angle's, and one that the command hardly moves.
 //!
 //! A rig whose angle keeps to one side hangs in a balance of two moments, and neither shows without the other:
 //!
@@ -136,6 +136,7 @@ mod tests {
         let level = flight_with(3, |_, _, angle| -stiffness * angle.sin());
         assert_eq!(asked(&level, |problem, plain| about_another_zero(problem, plain, PAIRS[0]).len()), 0);
     }
+
     #[test]
     fn a_pendulum_that_the_command_hardly_moves_is_found_by_its_swing() {
         let stiffness = 6.0;

@@ -1,34 +1,16 @@
 //! Every sentence of the answer that a person reads.
 
 use super::answer::{Answer, EffectAnswer, HeldOutAnswer, Predicted, VafAnswer, Verdict};
+use super::posterior::is_in_other_words;
 use super::rotation::mean_by_motion;
 use super::verdict::Objection;
 use crate::catalogue::{CATALOGUE, find};
 use crate::estimate::{Estimate, digits};
-use crate::model::effect::Effect;
 
 /// One to three sentences with numbers and units, and what speaks against names that are not the answer.
 pub fn summary(answer: &Answer, objection: Option<Objection>) -> String {
     let mut text = match answer.verdict {
-        Verdict::NoMismatch if answer.remainder.is_some() => format!(
-            "No mismatch that matters: the model, its parameters estimated again, leaves next to nothing of the motion ({}).",
-            figures(answer, false)
-        ),
-        Verdict::NoMismatch if told_by_the_past(answer).is_some() => format!(
-            "No mismatch that these data would show; but of the next second the past of the motion alone tells {}, as much as the model \
-             ({}): what the input adds to it is not seen. Design nothing on the gain before steps or a sweep have shown it.",
-            in_percent(told_by_the_past(answer).unwrap_or_default()),
-            figures(answer, false)
-        ),
-        Verdict::NoMismatch if answer.fit.predicted.is_none() || predicts(answer) => format!(
-            "No mismatch: the model, its parameters estimated again, explains the data down to the noise ({}).",
-            figures(answer, false)
-        ),
-        Verdict::NoMismatch => format!(
-            "No mismatch that these data would show, and more than half of the motion does not follow from the input ({}): \
-             a larger input or a longer test would show more.",
-            figures(answer, false)
-        ),
+        Verdict::NoMismatch => no_mismatch(answer),
         Verdict::Unlisted => {
             let found: Vec<String> = answer.effects.iter().map(in_a_phrase).collect();
             let seen = match (found.is_empty(), &answer.remainder) {
@@ -63,9 +45,7 @@ pub fn summary(answer: &Answer, objection: Option<Objection>) -> String {
         }
         Verdict::NotExcited | Verdict::CheckData => String::new(),
     };
-    for words in in_other_words(&answer.effects) {
-        text += &words;
-    }
+    text.extend(in_other_words(&answer.effects));
     if answer.verdict == Verdict::Ambiguous {
         for effect in answer.effects.iter().filter(|e| !e.alternatives.is_empty()) {
             let rivals: Vec<String> = effect
@@ -112,17 +92,38 @@ fn off_in_model(answer: &Answer) -> String {
     text
 }
 
+/// What is said where nothing is missing, and how much that says.
+fn no_mismatch(answer: &Answer) -> String {
+    let figures = figures(answer, false);
+    if answer.remainder.is_some() {
+        format!(
+            "No mismatch that matters: the model, its parameters estimated again, leaves next to nothing of the motion ({figures})."
+        )
+    } else if let Some(past) = told_by_the_past(answer) {
+        let past = in_percent(past);
+        format!(
+            "No mismatch that these data would show; but of the next second the past of the motion alone tells {past}, as much as the model \
+             ({figures}): what the input adds to it is not seen. Design nothing on the gain before steps or a sweep have shown it."
+        )
+    } else if answer.fit.predicted.is_none() || predicts(answer) {
+        format!(
+            "No mismatch: the model, its parameters estimated again, explains the data down to the noise ({figures})."
+        )
+    } else {
+        format!(
+            "No mismatch that these data would show, and more than half of the motion does not follow from the input ({figures}): \
+             a larger input or a longer test would show more."
+        )
+    }
+}
+
 /// That what several names say together is one effect of the catalogue in other words.
 fn in_other_words(effects: &[EffectAnswer]) -> impl Iterator<Item = String> + '_ {
-    let told = |id: &&str| effects.iter().any(|effect| effect.id == **id);
-    let restates =
-        move |effect: &&&dyn Effect| effect.restates().len() > 1 && effect.restates().iter().all(told);
-    CATALOGUE.iter().filter(restates).map(|effect| {
-        format!(
-            " Of {} no motion tells {}: the two say the same.",
-            effect.restates().join(" and "),
-            effect.about().id
-        )
+    let told = |id: &str| effects.iter().any(|effect| effect.id == id);
+    let same = CATALOGUE.iter().filter(move |effect| is_in_other_words(**effect, told));
+    same.map(|effect| {
+        let (parts, whole) = (effect.restates().join(" and "), effect.about().id);
+        format!(" Of {parts} no motion tells {whole}: the two say the same.")
     })
 }
 

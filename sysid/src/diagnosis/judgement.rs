@@ -8,7 +8,7 @@ use super::input_line::input_has_line;
 use super::levels::{ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, WORTH_A_NAME};
 use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
-use super::posterior::{Finding, Selection, says};
+use super::posterior::{Finding, Selection, is_in_other_words};
 use super::predicted::ahead;
 use super::rotation::{Rotation, TermGain, rotate};
 use super::verdict::Grounds;
@@ -321,11 +321,12 @@ fn with_names_alone<'f>(
 /// The names without the rivals that say the same in other words, as friction that differs each way beside friction and a constant
 /// moment that are both named, or these instead of it. Their probabilities are the name's own.
 fn told_once(selection: &Selection, named: Vec<Finding>) -> Vec<Finding> {
-    let effects: Vec<&'static dyn Effect> = named.iter().map(|finding| finding.effect).collect();
+    let names: Vec<&str> = named.iter().map(|finding| finding.effect.about().id).collect();
     let merged = |finding: Finding| {
-        let with_rival = |place: usize| &selection.visited[place].fit.effects[..];
+        let with_rival = |place: usize| &selection.visited[place].fit;
         let (same, rivals): (Vec<_>, Vec<_>) = finding.rivals.into_iter().partition(|(rival, _, place)| {
-            says(&effects, *rival) || says(with_rival(*place), finding.effect)
+            is_in_other_words(*rival, |id| names.contains(&id))
+                || is_in_other_words(finding.effect, |id| with_rival(*place).position(id).is_some())
         });
         let probability = same.iter().fold(finding.probability, |all, (_, p, _)| (all + p).min(1.0));
         Finding { rivals, probability, ..finding }

@@ -300,12 +300,11 @@ fn explains_the_same([model, rival]: [&Fit; 2], neither: &Fit, divisor: f64) -> 
     log_ratio < -PLAUSIBLE.ln() && apart(rival) < SAME_SHARE * apart(neither)
 }
 
-/// Whether `effects` say what `effect` says, be it in other words: friction and a constant moment together are dry friction that
-/// differs each way. One that restates a single other does so nearly, and no more.
-pub fn says(effects: &[&'static dyn Effect], effect: &dyn Effect) -> bool {
-    let has = |id: &str| effects.iter().any(|e| e.about().id == id);
+/// Whether `effect` is several others in other words, all of which are there (`has`): dry friction that differs each way is friction
+/// and a constant moment. One that restates a single other does so nearly, and no more.
+pub fn is_in_other_words(effect: &dyn Effect, has: impl Fn(&str) -> bool) -> bool {
     let parts = effect.restates();
-    has(effect.about().id) || parts.len() > 1 && parts.iter().all(|id| has(id))
+    parts.len() > 1 && parts.iter().all(|id| has(id))
 }
 
 /// Whether an effect is a shape without a name.

@@ -40,6 +40,8 @@ pub fn rough_gain(data: &Dataset) -> Option<f64> {
     turning.error.is_finite().then_some(turning.dm_du)
 }
 
+/// Share of the error of the rate alone that angle and rate may leave where the vehicle swings.
+const SWINGS: f64 = 0.5;
 /// Ratios of two gains, in ln, that missing physics and the errors of a model explain.
 pub const TOLERABLE: f64 = 1.5;
 
@@ -55,7 +57,7 @@ pub fn is_likely_gain(data: &Dataset, dm_du: f64) -> bool {
 /// these leave more than half of what the rate alone does: nothing swings.
 pub fn swing_of(data: &Dataset) -> Option<Regression> {
     let [turning, swinging] = regressions(data);
-    (swinging.error < 0.5 * turning.error && swinging.stiffness > 0.0).then_some(swinging)
+    (swinging.error < SWINGS * turning.error && swinging.stiffness > 0.0).then_some(swinging)
 }
 
 /// Values to start from for a rig of unknown inertia: least squares over m samples, over which q decorrelates a little, and over
@@ -69,7 +71,7 @@ pub fn swing_of(data: &Dataset) -> Option<Regression> {
 /// that the first line does not show.
 fn regression(data: &Dataset) -> Plant {
     let [turning, swinging] = regressions(data);
-    let best = if data.has_angle && swinging.error < 0.5 * turning.error { swinging } else { turning };
+    let best = if data.has_angle && swinging.error < SWINGS * turning.error { swinging } else { turning };
     Plant { inertia: 1.0, dm_dq: best.dm_dq, dm_du: best.dm_du, delay: best.delay, mount: None }
 }
 
@@ -176,8 +178,8 @@ fn swing(
     Some((error, transition, solution.row(2).transpose()))
 }
 
-/// −∂M/∂θ, ∂M/∂q and ∂M/∂u of the continuous plant whose angle and rate go over by `transition` within `span` s, the input adding `input`:
-/// the logarithm of a matrix with a pair of complex eigenvalues. `None` where it does not swing.
+/// −∂M/∂θ, ∂M/∂q and ∂M/∂u of the continuous plant whose angle and rate go over by `transition` within `span` s, the input adding
+/// `input`: the logarithm of a matrix with a pair of complex eigenvalues. `None` where it does not swing.
 fn continuous(transition: &Matrix2<f64>, input: &Vector2<f64>, span: f64) -> Option<[f64; 3]> {
     let (half, product) = (0.5 * transition.trace(), transition.determinant());
     let imaginary = (product - half * half).sqrt();

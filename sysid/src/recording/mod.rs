@@ -195,8 +195,8 @@ pub fn as_csv(name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 /// Whatever makes the data unusable: no UTF-8 CSV, a column missing, double or contradictory, text or an infinity where
-/// a number belongs, time stamps that stand still in more than one row in a hundred, run backwards or have an impossible step, too few samples, options that fit nothing
-/// in the file. Cells that are empty or NaN are gaps, and so is what a garbled line lacks where one line in a hundred or fewer are, and a
+/// a number belongs, time stamps that stand still in more than one row in a hundred, run backwards or have an impossible step, too few
+/// samples, options that fit nothing in the file. Cells that are empty or NaN are gaps, and so is what a garbled line lacks where one line in a hundred or fewer are, and a
 /// row whose stamp alone is out of order. The error names file, line, column, what was found and what to do, and
 /// what else is wrong with cells and time stamps of the same file.
 pub fn parse(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recording, Error> {
