@@ -79,7 +79,7 @@ fn header_cases() -> Vec<Case> {
             Column,
             Some(1),
             None,
-            &["row of numbers", "first line with the column names"],
+            &["row of numbers", "from the left c1 to c3", "first line with the column names"],
         ),
         case(
             "no time",

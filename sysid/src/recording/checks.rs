@@ -104,12 +104,13 @@ fn check_size(signal: Option<&Signal>, grid: &Grid, limit: f64, unit: &str, note
     }
 }
 
-/// A signal clips where it is held at its extreme value in several runs, each longer than its ordinary runs.
+/// A signal clips where it is held at its extreme value in several runs, each longer than its ordinary runs. At exactly zero nothing
+/// clips: a wheel stands still there.
 fn check_clipping(table: &Table, signal: &Signal, notes: &mut Vec<Note>) {
     let values = &signal.values;
     let ordinary = values.len().div_ceil(values.chunk_by(|a, b| a == b).count().max(1));
     let (low, high) = extremes(values);
-    for extreme in [low, high] {
+    for extreme in [low, high].into_iter().filter(|extreme| *extreme != 0.0) {
         let runs = plateaus(values, extreme, 3 * ordinary);
         let samples: usize = runs.iter().map(Range::len).sum();
         let (Some(first), Some(last)) = (runs.first(), runs.last()) else { continue };

@@ -129,7 +129,8 @@ fn bad_order(table: &Table, row: usize) -> Error {
     } else {
         (
             format!("time stands still at {now} s while the values change"),
-            "write the time with more decimals, or delete the rows of one of the two sources",
+            "write the time with more decimals, or delete the rows of one of the two sources; where rows that were taken at an even pace were \
+             stamped as they came in, count them: --column 't_s=row*0.01' for rows of 0.01 s",
         )
     };
     let error = Error::new(ErrorKind::Clock, found, advice)

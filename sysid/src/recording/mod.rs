@@ -28,6 +28,7 @@ mod same_stamps;
 mod sections;
 mod sniff;
 mod stray_stamps;
+mod summed_angle;
 mod table;
 mod wild;
 mod write;
@@ -238,6 +239,7 @@ fn on_grid(
     stray_stamps::leave_out(&mut table, &mut notes);
     sections::relabel(&mut table, options, &mut notes)?;
     let in_turns = full_turns::add(&mut table, &mut notes);
+    summed_angle::leave_out(&mut table, &mut notes);
     wild::bridge(&mut table, &mut notes);
     let mut grid = clock::onto_grid(&mut table, options, &mut notes)?;
     airborne::keep(&table, &mut grid, &mut notes);

@@ -188,29 +188,62 @@ fn content_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 pub(super) fn header(bytes: &[u8]) -> Result<Vec<String>, Error> {
     let text = sniff::text(bytes)?;
     let mut lines = content_lines(&text);
-    Ok(header_of(lines.next(), lines.next())?.2)
+    Ok(Header::read(lines.next(), lines.next())?.names)
 }
 
-/// The header's line, what splits it and the rows below it, and the names in it.
-fn header_of(
-    first: Option<(usize, &str)>,
-    below: Option<(usize, &str)>,
-) -> Result<(usize, Splitter, Vec<String>), Error> {
-    let Some((line, text)) = first else {
-        let advice = "check that the logger has written it";
-        return Err(Error::new(ErrorKind::Format, "only comments and blank lines", advice)
-            .expecting("a header line and one line per sample"));
-    };
-    let at_header = |error: Error| error.at_line(line);
-    let mut splitter = Splitter::new(sniff::separator(text, below.map_or("", |(_, row)| row)));
-    splitter.split(text).map_err(at_header)?;
-    let names: Vec<String> = (0..splitter.fields).map(|i| splitter.field(i).to_owned()).collect();
-    if names.iter().all(|name| name.replace(',', ".").parse::<f64>().is_ok()) {
-        let found = format!("a row of numbers where the header belongs: {}", quote(text));
-        let advice = "put a first line with the column names, e.g. t_s,u_rad,q_rad_s";
-        return Err(at_header(Error::new(ErrorKind::Column, found, advice)));
+/// The first line.
+struct Header {
+    line: usize,
+    /// What splits it and the rows below it.
+    splitter: Splitter,
+    names: Vec<String>,
+    /// Whether it has no names but numbers, a row as all others; the names are then c1, c2, ... from the left.
+    is_row: bool,
+}
+
+impl Header {
+    fn read(first: Option<(usize, &str)>, below: Option<(usize, &str)>) -> Result<Self, Error> {
+        let Some((line, text)) = first else {
+            let advice = "check that the logger has written it";
+            return Err(Error::new(ErrorKind::Format, "only comments and blank lines", advice)
+                .expecting("a header line and one line per sample"));
+        };
+        let mut splitter = Splitter::new(sniff::separator(text, below.map_or("", |(_, row)| row)));
+        splitter.split(text).map_err(|error: Error| error.at_line(line))?;
+        let mut names: Vec<String> = (0..splitter.fields).map(|i| splitter.field(i).to_owned()).collect();
+        let is_number = |name: &str| name.replace(',', ".").parse::<f64>().is_ok_and(f64::is_finite);
+        let is_row = names.iter().any(|name| is_number(name))
+            && names.iter().all(|name| is_number(name) || missing::is_missing(name));
+        if is_row {
+            names = (1..=splitter.fields).map(|place| format!("c{place}")).collect();
+        }
+        Ok(Self { line, splitter, names, is_row })
     }
-    Ok((line, splitter, names))
+
+    /// The columns that play a role.
+    fn assigned(
+        &self,
+        text: &str,
+        options: &ReadOptions,
+        notes: &mut Vec<Note>,
+    ) -> Result<Vec<Source>, Error> {
+        let at_header = |error: Error| error.at_line(self.line);
+        if self.is_row && options.columns.is_empty() {
+            let found = format!("a row of numbers where the header belongs: {}", quote(text));
+            let advice = format!(
+                "say which column is which, from the left c1 to c{}, as in --column t_s=c1 --column u_norm=c2 --column theta_deg=c3; or put a \
+                 first line with the column names, e.g. t_s,u_rad,q_rad_s",
+                self.names.len()
+            );
+            return Err(at_header(Error::new(ErrorKind::Column, found, advice)));
+        }
+        if self.is_row {
+            let text =
+                format!("the file has no header: from the left its columns are c1 to c{}", self.names.len());
+            notes.push(Note::new(NoteKind::Converted, text));
+        }
+        assign(&self.names, &options.columns, notes).map_err(at_header)
+    }
 }
 
 /// Reads header and rows; errors carry line and column, the caller adds the file.
@@ -218,9 +251,12 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -
     let text = sniff::text(bytes)?;
     let mut lines = content_lines(&text).peekable();
     let first = lines.next();
-    let (header_line, mut splitter, header) = header_of(first, lines.peek().copied())?;
+    let header = Header::read(first, lines.peek().copied())?;
     let header_length = first.map_or(1, |(_, line)| line.len().max(1));
-    let sources = assign(&header, &options.columns, notes).map_err(|error| error.at_line(header_line))?;
+    let sources = header.assigned(first.map_or("", |(_, line)| line), options, notes)?;
+    let Header { mut splitter, names: header, is_row, .. } = header;
+    let (first, row) = if is_row { (None, first) } else { (first, None) };
+    let mut lines = row.into_iter().chain(lines).peekable();
     if splitter.separator != b',' {
         let by = if splitter.separator == b';' { "semicolons" } else { "tabs" };
         let text = format!("columns separated by {by}: a comma in a number is a decimal one");

@@ -235,9 +235,18 @@ fn irregular_stamps_are_told() {
 fn plateaus_are_told_but_not_the_two_levels_of_an_excitation() {
     let sound = flight(1, 0.0);
     assert_eq!(channels::saturation(&[sound.recording()]).state, State::RuledOut);
-    let clipped = Flight { q: sound.q.iter().map(|q| q.clamp(-0.3, 0.3)).collect(), ..sound };
+    let clipped = Flight { q: sound.q.iter().map(|q| q.clamp(-0.3, 0.3)).collect(), ..sound.clone() };
     let described = channels::saturation(&[clipped.recording()]);
     assert!(described.state == State::Found && described.words.contains("q_rad_s stays at"), "{described:?}");
+    let from_rest = |rest: f64| {
+        let q = sound.q.iter().enumerate().map(|(k, q)| if k < 200 { rest } else { 1.5 + q }).collect();
+        channels::saturation(&[Flight { q, ..sound.clone() }.recording()]).state
+    };
+    assert_eq!(
+        [from_rest(0.0), from_rest(-0.1)],
+        [State::RuledOut, State::Found],
+        "a wheel that stands still"
+    );
     let mut fed_back = flight(1, 0.05);
     assert_eq!(channels::saturation(&[fed_back.recording()]).state, State::RuledOut);
     fed_back.u.iter_mut().for_each(|u| *u = u.clamp(-0.02, 0.02));
