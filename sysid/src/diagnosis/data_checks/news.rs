@@ -15,7 +15,9 @@
 //! the [dwells](super::dwells) of a switching input among them. A controller that is faster than the log answers in the row
 //! of the motion, before which no input can have acted that is new there: l = 0 is a test of its own, but where the rows are
 //! averages, in which the input acts. Outputs that were interpolated between uneven stamps hold what came up to a row later:
-//! there the inputs from two rows on count. What is new in a few places alone, as a ramp at the start and a step, is not
+//! there the inputs from two rows on count. An input of a few levels is new by where it may change at all: by the clock of a random
+//! sequence, or its least dwell, the past of the switches tells more of the next than any regression, and so does a model's error
+//! that begins at each of them. There w(k) = u(k) − ū(level, rows since its last switch). What is new in a few places alone, as a ramp at the start and a step, is not
 //! asked: a model that lacks something errs alike all along a ramp.
 //!
 //! Sources: Haugh, JASA 71, 1976; White's (1980) variance, for errors of uneven size.
@@ -25,6 +27,7 @@ use crate::model::pitch::Output;
 use crate::optim::least_squares::least_squares;
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::collections::HashMap;
 
 /// Memory of the input's own prediction, s.
 const MEMORY_S: f64 = 0.8;
@@ -39,6 +42,8 @@ const ROUNDING: f64 = 1e-4;
 const LATER_S: [f64; 2] = [0.1, 1.0];
 /// Most later inputs that are looked at.
 const MOST_LATER: usize = 10;
+/// Most levels of an input that is asked by the time since its last switch.
+const FEW_LEVELS: usize = 4;
 /// Fewest samples that are tested.
 const FEWEST: usize = 200;
 /// Stretches that a section is cut into, and how many of them at least the news must come from.
@@ -98,14 +103,19 @@ impl Section<'_> {
     pub fn test(&self) -> Option<(Test, bool)> {
         let taps = ((MEMORY_S / self.step) as usize).clamp(2, MOST_TAPS).min(self.u.len() / 8);
         let all: Vec<bool> = (0..self.u.len()).map(|k| k >= taps && !self.supervised[k]).collect();
-        let whole = whitened(self.u, taps, &all)?;
+        let switching = by_age(self.u, &all);
+        let switches_alone = switching.is_some();
+        let whole = match switching {
+            Some(new) => new,
+            None => whitened(self.u, taps, &all)?,
+        };
         if typical_size(&whole, &all) < ROUNDING * typical_size(self.u, &all) {
             return None;
         }
         let channels = uncorrelated(self.e);
         let [near, far] = LATER_S.map(|reach| self.later(reach));
         let sums = |lags: &[usize], new: &[f64], counts: &[bool]| self.sums(&channels, new, counts, lags);
-        let between = self.between_switches(taps, whole.clone(), &all);
+        let between = (!switches_alone).then(|| self.between_switches(taps, whole.clone(), &all)).flatten();
         let (between, whole) = (between.as_ref(), (&whole, &all));
         let in_its_row = |(new, counts): (&Vec<f64>, &Vec<bool>)| {
             (self.averaged == 1 && !self.interpolated).then(|| sums(&[0], new, counts)).flatten()
@@ -215,6 +225,34 @@ fn whitened(u: &[f64], taps: usize, counts: &[bool]) -> Option<Vec<f64>> {
     Some((0..u.len()).map(new).collect())
 }
 
+/// What the level of an input of few levels and the rows since its last switch do not tell of each value, by their mean over the rows
+/// that count; `None` for any other input.
+fn by_age(u: &[f64], counts: &[bool]) -> Option<Vec<f64>> {
+    let mut levels: Vec<f64> = u.iter().zip(counts).filter(|(_, c)| **c).map(|(u, _)| *u).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    if levels.len() > FEW_LEVELS {
+        return None;
+    }
+    let mut age = 0;
+    let places: Vec<(u64, usize)> = (0..u.len())
+        .map(|k| {
+            let before = u[k.saturating_sub(1)];
+            age = if k < 2 || before != u[k - 2] { 1 } else { age + 1 };
+            (before.to_bits(), age)
+        })
+        .collect();
+    let mut sums: HashMap<(u64, usize), (f64, f64)> = HashMap::new();
+    for k in (0..u.len()).filter(|&k| counts[k]) {
+        let (sum, number) = sums.entry(places[k]).or_default();
+        *sum += u[k];
+        *number += 1.0;
+    }
+    let new =
+        |k: usize| if counts[k] { sums.get(&places[k]).map_or(0.0, |(sum, n)| u[k] - sum / n) } else { 0.0 };
+    Some((0..u.len()).map(new).collect())
+}
+
 /// The channels, the second less what the first tells of it; a dead channel is left out.
 fn uncorrelated(innovations: &[Output]) -> Vec<Vec<f64>> {
     let product = |a: usize, b: usize| innovations.iter().map(|e| e[a] * e[b]).sum::<f64>();
@@ -244,6 +282,29 @@ mod tests {
             dwells: None,
         };
         section.test().map(|(test, _)| test)
+    }
+
+    /// A random sequence of two levels that may change every `clock` rows, and the rows since its last switch.
+    fn clocked(clock: usize) -> (Vec<f64>, Vec<usize>) {
+        let level =
+            |k: usize| if (0.7 * ((k / clock).pow(2) % 1013) as f64).sin() > 0.0 { 1.0 } else { -1.0 };
+        let u: Vec<f64> = (0..800).map(level).collect();
+        let mut age = 0;
+        let since = (0..u.len()).map(|k| {
+            age = if k > 0 && u[k] == u[k - 1] { age + 1 } else { 0 };
+            age
+        });
+        (u.clone(), since.collect())
+    }
+
+    #[test]
+    fn a_clocks_next_switch_is_not_told_by_a_model_that_errs_after_the_last() {
+        let (u, since) = clocked(8);
+        let errs = |k: usize, noise: f64| noise + if (1..5).contains(&since[k]) { 2.0 * u[k] } else { 0.0 };
+        let test = asked(&u, errs).unwrap();
+        assert!(test.p_value > ODDS, "{}", test.told());
+        let told = asked(&u, |k, noise| noise + if k < 799 { 0.8 * (u[k + 1] - u[k]) } else { 0.0 });
+        assert!(told.is_some_and(|test| test.p_value < ODDS), "a relay");
     }
 
     #[test]
