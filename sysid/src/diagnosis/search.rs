@@ -74,28 +74,51 @@ pub fn fit_one_more(
             None => best.push(fit),
         }
     }
-    // A sketch at a bound often lies lowest and is no candidate in the end: it must not outbid the others.
-    let within = |fit: &Fit| !fit.at_bound(problem, fit.effects.len() - 1);
-    let lowest = best.iter().filter(|f| within(f)).map(|f| f.bic(problem)).fold(f64::INFINITY, f64::min);
-    let needed = (before.bic(problem) - NEEDLESS).max(lowest + SAME_PLACE);
-    let class = |fit: &Fit| fit.effects.last().and_then(|effect| effect.class());
-    let leading = best.iter().find(|fit| fit.bic(problem) == lowest).and_then(class);
-    // Of those that do nearly the same, a few steps do not say which does it best.
-    let alike = before.bic(problem) - CLOSE * (before.bic(problem) - lowest);
-    best.retain(|fit| {
-        let same_class = leading.is_some() && class(fit) == leading;
-        let far = if same_class { alike.max(lowest + HOPELESS) } else { lowest + HOPELESS };
-        // One that still falls has not been drawn to the end.
-        fit.bic(problem) - STEPS_TO_END * fit.minimum.drop < needed.min(far)
-    });
-    let mut fits: Vec<Fit> =
-        best.par_iter().filter_map(|fit| refit(problem, &fit.effects, &fit.minimum.values)).collect();
-    fits.retain(within);
+    let mut fits = to_the_end(problem, before, best);
     let lowest = fits.iter().map(|fit| fit.bic(problem)).fold(before.bic(problem), f64::min);
     let near = |fit: &Fit| fit.bic(problem) < lowest + NEAR_MOMENT;
     fits = fits.into_iter().map(|fit| if near(&fit) { best_moment(problem, fit) } else { fit }).collect();
     fits.sort_by(|a, b| a.bic(problem).total_cmp(&b.bic(problem)));
     fits
+}
+
+/// Those of `sketches` that come near the best, fitted to the end. One that ends at a bound is no candidate, and those that it has
+/// outbid come after it.
+fn to_the_end(problem: &Problem<'_>, before: &Fit, mut sketches: Vec<Fit>) -> Vec<Fit> {
+    let within = |fit: &Fit| !fit.at_bound(problem, fit.effects.len() - 1);
+    let mut fits: Vec<Fit> = Vec::new();
+    loop {
+        let is_fitted = |sketch: &Fit| fits.iter().any(|fit| fit.ids() == sketch.ids());
+        let mut near = near_the_best(problem, before, &sketches);
+        near.retain(|sketch| !is_fitted(sketch));
+        let refitted = |sketch: &&Fit| refit(problem, &sketch.effects, &sketch.minimum.values);
+        let ended: Vec<Fit> = near.par_iter().filter_map(refitted).collect();
+        let (stand, at_bound): (Vec<Fit>, Vec<Fit>) = ended.into_iter().partition(within);
+        fits.extend(stand);
+        if at_bound.is_empty() {
+            return fits;
+        }
+        sketches.retain(|sketch| at_bound.iter().all(|fit| fit.ids() != sketch.ids()));
+    }
+}
+
+/// Those of `sketches` that may come to lie near the best of them.
+fn near_the_best<'f>(problem: &Problem<'_>, before: &Fit, sketches: &'f [Fit]) -> Vec<&'f Fit> {
+    // A sketch at a bound often lies lowest and is no candidate in the end: it must not outbid the others.
+    let within = |fit: &Fit| !fit.at_bound(problem, fit.effects.len() - 1);
+    let lowest = sketches.iter().filter(|f| within(f)).map(|f| f.bic(problem)).fold(f64::INFINITY, f64::min);
+    let needed = (before.bic(problem) - NEEDLESS).max(lowest + SAME_PLACE);
+    let class = |fit: &Fit| fit.effects.last().and_then(|effect| effect.class());
+    let leading = sketches.iter().find(|fit| fit.bic(problem) == lowest).and_then(class);
+    // Of those that do nearly the same, a few steps do not say which does it best.
+    let alike = before.bic(problem) - CLOSE * (before.bic(problem) - lowest);
+    let near = |fit: &&Fit| {
+        let same_class = leading.is_some() && class(fit) == leading;
+        let far = if same_class { alike.max(lowest + HOPELESS) } else { lowest + HOPELESS };
+        // One that still falls has not been drawn to the end.
+        fit.bic(problem) - STEPS_TO_END * fit.minimum.drop < needed.min(far)
+    };
+    sketches.iter().filter(near).collect()
 }
 
 /// A candidate beside `before`, a few steps from one of its starts.
