@@ -1,11 +1,12 @@
 //! What is made of a selection: which model is the answer's, what it leaves, how it does on held-out data, the verdict.
 
 use super::adequacy::{Test, failing, tests};
+use super::another_value::{is_another_gain, is_another_size, turns_about};
 use super::answer::{Predicted, Verdict};
 use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
-use super::levels::{ADEQUACY, ANOTHER_GAIN, CALM, HELD_OUT_ERRORS, MATERIAL, WORTH_A_NAME};
+use super::levels::{ADEQUACY, BEYOND_DOUBT, CALM, HELD_OUT_ERRORS, MATERIAL, WORTH_A_NAME};
 use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection, is_in_other_words};
@@ -106,14 +107,15 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let chosen = |finding: &Finding| {
             rotation.gain(finding.effect.about().id).map_or(0, |gain| gain.chosen_in_kind)
         };
-        let clear = |finding: &Finding| {
-            is_clear(finding.effect, &rotation.gain(finding.effect.about().id).unwrap_or_default())
-        };
+        let held_out = |finding: &Finding| rotation.gain(finding.effect.about().id).unwrap_or_default();
+        let clear = |finding: &Finding| is_clear(finding.effect, &held_out(finding));
         let in_every = |finding: &Finding| chosen(finding) == rotation.parts.len();
         let minor: Vec<bool> = (named.iter().enumerate())
             .map(|(i, finding)| {
                 let chosen = [chosen(finding), rotation.parts.len()];
-                i > 0 && (is_minor(finding.share, chosen, clear(finding)) || immaterial[i])
+                let (gain, error) = held_out(finding).log_likelihood;
+                let clear = [clear(finding), gain > BEYOND_DOUBT * error];
+                i > 0 && (is_minor(finding.share, chosen, clear) || immaterial[i])
             })
             .collect();
         // What a name means beside the others is asked where those that are no names are out.
@@ -152,16 +154,21 @@ impl<'p, 'd> Judgement<'p, 'd> {
         };
         let same = shapes.is_empty() && named.len() == kept.len();
         let mut names_alone = if same { without_minor.clone() } else { alone(&named, &small) };
-        // One without which the names give another gain, which a controller is designed by, is material, however little of the
-        // prediction it moves.
-        if names_alone.as_ref().is_some_and(|alone| is_another_gain(problem, fit, alone)) {
+        // One without which the names give another gain, which a controller is designed by, or the first of them is of another size, is
+        // material, however little of the prediction it moves.
+        let first = named.first().map(|(_, finding)| finding.effect);
+        let is_another = |alone: &Fit| {
+            is_another_gain(problem, fit, alone)
+                || first.is_some_and(|e| is_another_size(problem, fit, alone, e))
+        };
+        if names_alone.as_ref().is_some_and(is_another) {
             let stands =
                 |(i, finding): &(usize, Finding)| !barred(*i, finding) && in_every(finding) && clear(finding);
             let promoted = (0..small.len()).filter(|&k| stands(&small[k])).find_map(|k| {
                 let (mut rest, mut with) = (small.clone(), named.clone());
                 with.push(rest.remove(k));
                 let fitted = alone(&with, &rest);
-                let kept = fitted.as_ref().is_none_or(|fitted| !is_another_gain(problem, fit, fitted));
+                let kept = fitted.as_ref().is_none_or(|fitted| !is_another(fitted));
                 kept.then_some((with, rest, fitted))
             });
             if let Some(promoted) = promoted {
@@ -342,10 +349,11 @@ fn is_clear(effect: &dyn Effect, held_out: &TermGain) -> bool {
 }
 
 /// Whether a name beside a larger one is told as a remainder, `chosen` in so many of so many rotations: one that no majority chooses
-/// (stability selection: Meinshausen and Bühlmann, J. R. Stat. Soc. B 72, 2010), a small one that not every rotation chooses, a very
-/// small one, and one that is not `clear`.
-fn is_minor(share: f64, [chosen, of]: [usize; 2], clear: bool) -> bool {
-    2 * chosen <= of || share < 1.0 - MATERIAL && chosen < of || share < WORTH_A_NAME || !clear
+/// (stability selection: Meinshausen and Bühlmann, J. R. Stat. Soc. B 72, 2010), a small one that not every rotation chooses and that
+/// is not clear beyond doubt, a very small one, and one that is not `clear`.
+fn is_minor(share: f64, [chosen, of]: [usize; 2], [clear, beyond_doubt]: [bool; 2]) -> bool {
+    let unsteady = share < 1.0 - MATERIAL && chosen < of && !beyond_doubt;
+    2 * chosen <= of || unsteady || share < WORTH_A_NAME || !clear
 }
 
 /// Whether a name mends the form of one of those `before` it: what the data hardly tell from the first of its class, and what closes
@@ -365,30 +373,6 @@ fn is_of_the_input(effect: &dyn Effect) -> bool {
 fn is_event(effect: &dyn Effect, values: &[f64]) -> bool {
     let at = |place: Option<usize>| values.get(place?).copied();
     at(effect.ends_at()).zip(at(effect.begins_at())).is_some_and(|(end, begin)| end - begin < BLOCK_S)
-}
-
-/// Whether ∂M/∂u of `other` is another one than that of `fit`.
-fn is_another_gain(problem: &Problem<'_>, fit: &Fit, other: &Fit) -> bool {
-    let gain = |fit: &Fit| problem.unpack(&fit.effects, &fit.minimum.values).plant.dm_du;
-    let factor = gain(other) / gain(fit);
-    !(1.0 / ANOTHER_GAIN..ANOTHER_GAIN).contains(&factor)
-}
-
-/// Whether an unknown of `effect` that may have either sign has the other one in `alone`, where the rest is left out: one of the
-/// two makes good for the other, and the data do not say which.
-fn turns_about(problem: &Problem<'_>, fit: &Fit, alone: &Fit, effect: &dyn Effect) -> bool {
-    let id = effect.about().id;
-    let (Some(own), Some(other)) = (fit.range_of(problem, id), alone.range_of(problem, id)) else {
-        return false;
-    };
-    let coordinates = problem.coordinates(&fit.effects);
-    own.zip(other).enumerate().any(|(place, (i, j))| {
-        let [low, high] = coordinates[i].bounds;
-        low < 0.0
-            && high > 0.0
-            && effect.acts_at() != Some(place)
-            && fit.minimum.values[i] * alone.minimum.values[j] < 0.0
-    })
 }
 
 #[cfg(test)]

@@ -9,6 +9,8 @@ pub const ADEQUACY: f64 = 0.01;
 pub const MATERIAL: f64 = 0.8;
 /// Standard errors over blocks by which a name must gain on held-out data to be one: one in a hundred by chance.
 pub const HELD_OUT_ERRORS: f64 = 2.33;
+/// The same beyond doubt, as a discovery is in physics.
+pub const BEYOND_DOUBT: f64 = 5.0;
 /// Share, of the evidence and of the motion, below which a further name is told as a remainder, however certain it is. (The least share of a true second effect
 /// in the practice set is 0.05.)
 pub const WORTH_A_NAME: f64 = 0.03;
@@ -18,7 +20,8 @@ pub const WORTH_A_NAME: f64 = 0.03;
 pub const LAST_THOUSANDTH: f64 = 1e-3;
 /// Share of the error without it that a name may leave to be material all the same.
 pub const HALVED: f64 = 0.5;
-/// Factor by which ∂M/∂u is another one: a name without which it is counts as material, however little of the prediction it moves.
+/// Factor by which ∂M/∂u, or the size of the first name, is another one: a name without which it is counts as material, however little of
+/// the prediction it moves.
 pub const ANOTHER_GAIN: f64 = 1.2;
 /// Most terms that one diagnosis adds: the room for their states; the evidence ends the search before.
 pub const MOST_TERMS: usize = 5;

@@ -7,6 +7,7 @@
 //! ```
 
 pub mod adequacy;
+mod another_value;
 mod another_zero;
 pub mod answer;
 pub mod axes;
