@@ -9,6 +9,7 @@ use sysid::model::effect::{Locus, Parameter};
 
 /// Signals of the size that the reference experiment has.
 const SIZES: Amplitudes = Amplitudes {
+    inertia: 1.0,
     u: 0.015,
     q: 0.3,
     theta: 0.1,

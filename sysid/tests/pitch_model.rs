@@ -12,6 +12,7 @@ const PLANT: Plant = Plant { inertia: 0.1705, dm_dq: -0.27, dm_du: 23.0, delay: 
 const QUIET: Disturbance =
     Disturbance { intensity: 1.0, frequency: 2.2, damping: 2.4, zero: 1.0, angle_noise: 1.0, third: None };
 const SIZES: Amplitudes = Amplitudes {
+    inertia: 1.0,
     u: 0.015,
     q: 0.3,
     theta: 0.2,

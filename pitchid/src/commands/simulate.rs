@@ -227,6 +227,7 @@ mod tests {
     use sysid::model::file::{EffectEntry, ModelFile};
 
     const ANY: Amplitudes = Amplitudes {
+        inertia: 1.0,
         u: 1.0,
         q: 1.0,
         theta: 1.0,

@@ -4,7 +4,13 @@ use crate::dataset::Amplitudes;
 use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale, Signal};
 
 /// M −= G sin θ; G < 0 where the centre of gravity lies above the pivot.
+///
+/// Of a body with the radius of gyration r gravity makes no more of its inertia than m g l/(m (r² + l²)) ≤ g/2r, wherever the pivot
+/// is: what is stiffer is a spring.
 pub struct GravityStiffness;
+
+/// The largest |G| per inertia, 1/s²: of a radius of gyration of 1 cm, which is less than any rig has.
+pub const STIFFEST: f64 = 490.0;
 
 impl Effect for GravityStiffness {
     fn about(&self) -> About {
@@ -21,10 +27,15 @@ impl Effect for GravityStiffness {
         Some(Picture::Moment(Signal::Angle))
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
-        vec![stiffness("G", "N m", data)]
+        let most = STIFFEST * data.inertia;
+        let stiffness = stiffness("G", "N m", data);
+        let [lower, upper] = [stiffness.lower, stiffness.upper].map(|bound| bound.clamp(-most, most));
+        vec![Parameter { lower, upper, ..stiffness }]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
-        starts_of_stiffness(data)
+        let mut starts = starts_of_stiffness(data);
+        starts.iter_mut().flatten().for_each(|start| *start = start.min(STIFFEST * data.inertia));
+        starts
     }
     fn within_sample(&self) -> bool {
         true

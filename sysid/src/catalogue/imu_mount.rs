@@ -12,6 +12,10 @@ const CARRIED_SHARE: f64 = 0.003;
 /// J q̇P = −k (θP−θ) − c (qP−q), and its reaction on the airframe; k and c from the mode.
 pub struct ImuMount;
 
+/// Least frequency of a mount, Hz: by its own weight a softer one sags by more than g/(2π f)² = 4 cm.
+const SOFTEST_HZ: f64 = 2.5;
+/// Share of the rate of the rows up to which a mode is seen in them.
+const SEEN_TO: f64 = 0.45;
 /// Damping ratio of the softest rubber (a loss factor of 1.4): a mode that is damped more is a lag.
 const MOST_DAMPING: f64 = 0.7;
 
@@ -34,16 +38,22 @@ impl Effect for ImuMount {
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         vec![
-            Parameter { name: "mode_hz", unit: "Hz", lower: 1.0, upper: 0.45 / data.step, scale: Scale::Log },
+            Parameter {
+                name: "mode_hz",
+                unit: "Hz",
+                lower: SOFTEST_HZ,
+                upper: SEEN_TO / data.step,
+                scale: Scale::Log,
+            },
             Parameter { name: "zeta", unit: "1", lower: 0.005, upper: MOST_DAMPING, scale: Scale::Log },
         ]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         let highest = 0.3 / data.step;
-        [0.15, 0.3, 0.6].map(|share| vec![share * highest, 0.2]).to_vec()
+        [0.15, 0.3, 0.6].map(|share| vec![(share * highest).max(SOFTEST_HZ), 0.2]).to_vec()
     }
-    fn applies(&self, baseline: &Baseline, _data: &Dataset) -> bool {
-        baseline.plant.mount.is_none()
+    fn applies(&self, baseline: &Baseline, data: &Dataset) -> bool {
+        baseline.plant.mount.is_none() && data.runs.iter().all(|run| SEEN_TO / run.step > SOFTEST_HZ)
     }
     fn plant(&self, p: &[f64], plant: &mut Plant) {
         plant.mount = Some(Mount::from_mode(p[0], p[1], CARRIED_SHARE * plant.inertia));

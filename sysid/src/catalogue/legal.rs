@@ -62,6 +62,7 @@ mod tests {
     /// Signals of a small racing craft at 1 kHz, of a bench, and of a ship.
     const SIZES: [Amplitudes; 3] = [
         Amplitudes {
+            inertia: 1.0,
             u: 0.1,
             q: 5.0,
             theta: 1.0,
@@ -74,6 +75,7 @@ mod tests {
             rate_limit: None,
         },
         Amplitudes {
+            inertia: 1.0,
             u: 0.015,
             q: 0.3,
             theta: 0.1,
@@ -86,6 +88,7 @@ mod tests {
             rate_limit: None,
         },
         Amplitudes {
+            inertia: 1.0,
             u: 10.0,
             q: 1e-3,
             theta: 0.02,

@@ -15,6 +15,7 @@ use std::path::Path;
 
 /// Signals of any size: the names of parameters do not hang on them, nor do their signs.
 pub(super) const ANY: Amplitudes = Amplitudes {
+    inertia: 1.0,
     u: 1.0,
     q: 1.0,
     theta: 1.0,

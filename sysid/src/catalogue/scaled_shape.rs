@@ -150,6 +150,7 @@ mod tests {
     use super::*;
 
     const FITTED_TO: Amplitudes = Amplitudes {
+        inertia: 1.0,
         u: 0.015,
         q: 0.3,
         theta: 0.1,
@@ -162,6 +163,7 @@ mod tests {
         rate_limit: None,
     };
     const OTHER: Amplitudes = Amplitudes {
+        inertia: 1.0,
         u: 0.03,
         q: 0.7,
         theta: 0.4,

@@ -18,6 +18,8 @@ pub fn decorrelation(rates: &[Vec<f64>]) -> usize {
 /// Typical sizes of the signals of a data set: what parameters' ranges and starts are scaled with.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Amplitudes {
+    /// Moment of inertia, kg m²; 1 where moments are given per unit of it.
+    pub inertia: f64,
     /// Standard deviation of the input, its unit.
     pub u: f64,
     /// Standard deviation of the pitch rate, rad/s.
@@ -75,7 +77,7 @@ impl Dataset {
         } else {
             [moves / dm_du.abs().max(f64::MIN_POSITIVE), moves]
         };
-        Amplitudes { u, q, theta, turned, angles, moment, moves, step, duration, rate_limit }
+        Amplitudes { inertia, u, q, theta, turned, angles, moment, moves, step, duration, rate_limit }
     }
 
     fn angles(&self) -> [f64; 3] {

@@ -12,23 +12,29 @@
 //! by a constant moment, and one in ten by the zero of its springs or of the sensor.
 
 use super::selection::without;
-use crate::catalogue::gravity_stiffness::GravityStiffness;
+use crate::catalogue::gravity_stiffness::{GravityStiffness, STIFFEST};
+use crate::catalogue::linear_stiffness::LinearStiffness;
 use crate::catalogue::rest_angle::RestAngle;
 use crate::catalogue::trim_offset::TrimOffset;
 use crate::likelihood::fit::{Fit, SKETCH, fit, refit};
 use crate::likelihood::problem::Problem;
-use crate::model::baseline::swing_of;
+use crate::model::baseline::{Regression, swing_of};
 use crate::model::effect::Effect;
 use rayon::prelude::*;
 
 /// What hangs, and what may hold it.
-pub const PAIRS: [[&dyn Effect; 2]; 2] = [[&GravityStiffness, &TrimOffset], [&GravityStiffness, &RestAngle]];
+pub const PAIRS: [[&dyn Effect; 2]; 4] = [
+    [&GravityStiffness, &TrimOffset],
+    [&GravityStiffness, &RestAngle],
+    [&LinearStiffness, &TrimOffset],
+    [&LinearStiffness, &RestAngle],
+];
 /// What pulls back to the angle's zero.
 const SPRINGS: [&str; 3] = ["gravity_stiffness", "linear_stiffness", "cubic_stiffness"];
 /// Prior probability that a constant moment holds what hangs aside, or another zero, and neither the command nor the background.
 const HELD: f64 = 0.8;
 const ZEROED: f64 = 0.1;
-/// Stiffnesses to begin with, as shares of what turns the input's moment into the angle's spread.
+/// Stiffnesses to begin with, beside that of the swing, as shares of what turns the input's moment into the angle's spread.
 const SHARES: [f64; 2] = [0.3, 1.0];
 /// Strengths of the disturbance to begin with: a weak one cannot take the pendulum's swing for its own.
 const STRENGTHS: [f64; 2] = [0.03, 0.3];
@@ -67,43 +73,58 @@ pub fn about_another_zero(problem: &Problem<'_>, before: &Fit, pair: [&'static d
     both.into_iter().chain(alone).collect()
 }
 
-/// `before` with gravity, where the motion swings by a regression ([`swing_of`]) and hangs at zero: a pendulum that the air keeps
+/// `before` with gravity, or a spring that is too stiff for it, where the motion swings by a regression ([`swing_of`]) and hangs at zero: a pendulum that the air keeps
 /// swinging moves by itself more than by the command, and a disturbance that has settled on its frequency leaves nothing for a spring
 /// to be found by.
 pub fn about_zero(problem: &Problem<'_>, before: &Fit) -> Option<Fit> {
     if problem.hangs_aside || before.effects.iter().any(|e| SPRINGS.contains(&e.about().id)) {
         return None;
     }
-    let effects = [&before.effects[..], &[&GravityStiffness]].concat();
-    let (swing, inertia) = (swing_of(problem.data)?, problem.baseline.plant.inertia);
+    let swing = swing_of(problem.data)?;
+    let spring: &'static dyn Effect =
+        if swing.stiffness < STIFFEST { &GravityStiffness } else { &LinearStiffness };
+    let effects = [&before.effects[..], &[spring]].concat();
     let sketch = |strength: f64| {
-        let mut values = before.minimum.values.clone();
-        (values[0], values[1]) = (inertia * swing.dm_dq, inertia * swing.dm_du);
-        if problem.baseline.delay_free {
-            values[2] = swing.delay;
-        }
+        let mut values = as_it_swings(problem, before, &swing);
         values[problem.noise_range()].copy_from_slice(&problem.noise_start(strength));
-        values.push(inertia * swing.stiffness);
+        values.push(problem.baseline.plant.inertia * swing.stiffness);
         fit(problem, &effects, &values, SKETCH)
     };
     best_of(problem, &effects, STRENGTHS.into_par_iter().filter_map(sketch).collect())
+}
+
+/// The values of `before`, with the plant that the regression has found.
+fn as_it_swings(problem: &Problem<'_>, before: &Fit, swing: &Regression) -> Vec<f64> {
+    let inertia = problem.baseline.plant.inertia;
+    let mut values = before.minimum.values.clone();
+    (values[0], values[1]) = (inertia * swing.dm_dq, inertia * swing.dm_du);
+    if problem.baseline.delay_free {
+        values[2] = swing.delay;
+    }
+    values
 }
 
 fn hanging(problem: &Problem<'_>, before: &Fit, pair: [&'static dyn Effect; 2]) -> Option<Fit> {
     let angle = problem.data.mean_angle()?;
     let effects = [&before.effects[..], &pair].concat();
     let input = problem.data.mean_input();
-    let sketch = |(share, strength): (f64, f64)| {
-        let mut values = before.minimum.values.clone();
-        let stiffness = share * problem.sizes.moment / problem.sizes.theta;
+    let inertia = problem.baseline.plant.inertia;
+    let usual = problem.sizes.moment / problem.sizes.theta;
+    let plants = SHARES.map(|share| (share * usual, before.minimum.values.clone())).into_iter();
+    let swings = swing_of(problem.data);
+    let swings = swings.map(|swing| (inertia * swing.stiffness, as_it_swings(problem, before, &swing)));
+    let of_gravity = pair[0].about().id == GravityStiffness.about().id;
+    let plants = plants.chain(swings).filter(|(k, _)| (*k < STIFFEST * inertia) == of_gravity);
+    let sketch = |((stiffness, values), strength): ((f64, Vec<f64>), f64)| {
+        let mut values = values;
         let gain = problem.unpack(&before.effects, &values).plant.dm_du;
         values[problem.noise_range()].copy_from_slice(&problem.noise_start(strength));
         let holds = stiffness * angle.sin() - gain * input;
         values.extend([stiffness, if is_trim(pair[1]) { holds } else { holds / stiffness }]);
         fit(problem, &effects, &values, SKETCH)
     };
-    let starts: Vec<(f64, f64)> =
-        SHARES.iter().flat_map(|&share| STRENGTHS.map(|strength| (share, strength))).collect();
+    let starts: Vec<_> =
+        plants.flat_map(|plant| STRENGTHS.map(|strength| (plant.clone(), strength))).collect();
     best_of(problem, &effects, starts.into_par_iter().filter_map(sketch).collect())
 }
 
@@ -116,7 +137,7 @@ fn best_of(problem: &Problem<'_>, effects: &[&'static dyn Effect], sketches: Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::fixture::{asked, flight_with};
+    use crate::diagnosis::fixture::{asked, flight_with, flown_by};
 
     #[test]
     fn a_craft_that_hangs_aside_is_found_with_its_stiffness_and_a_level_one_is_not_asked() {
@@ -135,6 +156,27 @@ mod tests {
         assert_eq!(fits[1].0, ["gravity_stiffness"]);
         let level = flight_with(3, |_, _, angle| -stiffness * angle.sin());
         assert_eq!(asked(&level, |problem, plain| about_another_zero(problem, plain, PAIRS[0]).len()), 0);
+    }
+
+    #[test]
+    fn what_is_stiffer_than_gravity_can_be_is_a_spring_aside_or_level() {
+        let stiffness = |problem: &Problem<'_>| 1.5 * STIFFEST * problem.baseline.plant.inertia;
+        let inertia = asked(&flight_with(3, |_, _, _| 0.0), |problem, _| problem.baseline.plant.inertia);
+        for hangs_at in [0.35, 0.0] {
+            let strong = flight_with(3, |_, _, _| 0.0).u.iter().map(|u| 30.0 * u).collect();
+            let held = flown_by(3, strong, |_, rate, angle| {
+                inertia * (1.5 * STIFFEST * (hangs_at - angle) - 15.0 * rate)
+            });
+            let found = asked(&held, |problem, plain| {
+                let pairs = PAIRS.into_iter().flat_map(|pair| about_another_zero(problem, plain, pair));
+                let fits: Vec<Fit> = pairs.chain(about_zero(problem, plain)).collect();
+                let best = fits.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion())).unwrap();
+                let value = best.minimum.values[best.range_of(problem, "linear_stiffness").unwrap()][0];
+                (value / stiffness(problem), plain.criterion() - best.criterion())
+            });
+            // the flight goes by rows, of which a swing has twelve
+            assert!((found.0 - 1.0).abs() < 0.2 && found.1 > 30.0, "{hangs_at}: {found:?}");
+        }
     }
 
     #[test]

@@ -216,6 +216,7 @@ mod tests {
     use crate::catalogue::shapes::SHAPES;
 
     const SIZES: Amplitudes = Amplitudes {
+        inertia: 1.0,
         u: 0.015,
         q: 0.2,
         theta: 0.1,

@@ -14,6 +14,7 @@ use sysid::model::effect::{Effect, Parameter};
 
 /// Signals of the size that the reference experiment has, as on the page of the catalogue.
 const SIZES: Amplitudes = Amplitudes {
+    inertia: 1.0,
     u: 0.015,
     q: 0.3,
     theta: 0.1,

@@ -166,6 +166,7 @@ mod tests {
 
     fn start() -> Simulation {
         let sizes = Amplitudes {
+            inertia: 1.0,
             u: 1.3,
             q: 0.7,
             theta: 0.5,

@@ -39,6 +39,7 @@ fn normal(random: &mut Pcg64) -> f64 {
 pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
     let mut random = Pcg64::seed_from_u64(seed);
     let sizes = Amplitudes {
+        inertia: 1.0,
         u: 0.015,
         q: 0.3,
         theta: 0.1,
