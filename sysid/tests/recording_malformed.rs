@@ -74,6 +74,14 @@ fn header_cases() -> Vec<Case> {
             &["0 samples", "at least 20", "record longer"],
         ),
         case(
+            "header and one row of rate and angle",
+            "t_s,u_rad,q_rad_s,theta_rad\n0,0.1,0.2,0.3\n",
+            TooShort,
+            None,
+            None,
+            &["1 sample", "at least 20"],
+        ),
+        case(
             "no header",
             "0,0.1,0.2\n0.02,0.1,0.3\n",
             Column,

@@ -33,9 +33,9 @@ impl Effect for GravityStiffness {
         vec![Parameter { lower, upper, ..stiffness }]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
-        let mut starts = starts_of_stiffness(data);
-        starts.iter_mut().flatten().for_each(|start| *start = start.min(STIFFEST * data.inertia));
-        starts
+        let most = STIFFEST * data.inertia;
+        let within = |(start, share): (Vec<f64>, f64)| vec![start[0].min(share * most)];
+        starts_of_stiffness(data).into_iter().zip([0.3, 0.7]).map(within).collect()
     }
     fn within_sample(&self) -> bool {
         true

@@ -50,7 +50,7 @@ impl Effect for ImuMount {
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         let highest = 0.3 / data.step;
-        [0.15, 0.3, 0.6].map(|share| vec![(share * highest).max(SOFTEST_HZ), 0.2]).to_vec()
+        [0.15, 0.3, 0.6].map(|share| vec![(share * highest).max(1.1 * SOFTEST_HZ), 0.2]).to_vec()
     }
     fn applies(&self, baseline: &Baseline, data: &Dataset) -> bool {
         baseline.plant.mount.is_none() && data.runs.iter().all(|run| SEEN_TO / run.step > SOFTEST_HZ)

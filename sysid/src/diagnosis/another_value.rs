@@ -1,6 +1,7 @@
 //! Whether two fits say another thing of one vehicle: of its gain, of a name's size, of a sign.
 
-use super::levels::ANOTHER_GAIN;
+use super::levels::{ANOTHER_GAIN, HELD_OUT_ERRORS};
+use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
@@ -12,11 +13,19 @@ pub fn is_another_gain(problem: &Problem<'_>, fit: &Fit, other: &Fit) -> bool {
     !(1.0 / ANOTHER_GAIN..ANOTHER_GAIN).contains(&factor)
 }
 
-/// Whether the first unknown of `effect`, its size, is another one in `other` than in `fit`.
-pub fn is_another_size(problem: &Problem<'_>, fit: &Fit, other: &Fit, effect: &dyn Effect) -> bool {
-    let size = |fit: &Fit| fit.minimum.values.get(fit.range_of(problem, effect.about().id)?.start).copied();
-    let known = size(fit).zip(size(other)).filter(|_| effect.acts_at() != Some(0));
-    known.is_some_and(|(own, other)| !(1.0 / ANOTHER_GAIN..ANOTHER_GAIN).contains(&(other / own)))
+/// Whether the first unknown of `effect`, mostly its size, is surely another one in `other` than in `fit`.
+pub fn is_another_size(
+    problem: &Problem<'_>,
+    (fit, information): (&Fit, &Information),
+    other: &Fit,
+    effect: &dyn Effect,
+) -> bool {
+    let place = |fit: &Fit| fit.range_of(problem, effect.about().id).map(|own| own.start);
+    let (Some(own), Some(of_other)) = (place(fit), place(other)) else { return false };
+    let [value, other] = [fit.minimum.values[own], other.minimum.values[of_other]];
+    let error = information.deviations(&fit.minimum.values)[own];
+    let beyond = value != 0.0 && !(1.0 / ANOTHER_GAIN..ANOTHER_GAIN).contains(&(other / value));
+    beyond && (other - value).abs() > HELD_OUT_ERRORS * error && effect.acts_at() != Some(0)
 }
 
 /// Whether an unknown of `effect` that may have either sign has the other one in `alone`, where the rest is left out: one of the
@@ -45,15 +54,18 @@ mod tests {
     fn the_first_name_is_of_another_size_beyond_a_fifth() {
         asked(&flight_with(1, |_, _, angle| -1.5 * angle.sin()), |problem, baseline| {
             let models = selection(problem, baseline, &[], &[effects(&["gravity_stiffness"])]);
-            let fit = &models.visited[1].fit;
+            let (fit, information) = (&models.visited[1].fit, &models.visited[1].information);
             let times = |factor: f64| {
                 let mut other = fit.clone();
                 let place = fit.range_of(problem, "gravity_stiffness").unwrap().start;
                 other.minimum.values[place] *= factor;
-                is_another_size(problem, fit, &other, fit.effects[0])
+                is_another_size(problem, (fit, information), &other, fit.effects[0])
             };
-            assert_eq!([0.8, 0.9, 1.1, 1.3, -1.0].map(times), [true, false, false, true, true]);
-            assert!(!is_another_size(problem, fit, baseline, fit.effects[0]), "it is not there");
+            assert_eq!([0.6, 0.9, 1.1, 1.5, -1.0].map(times), [true, false, false, true, true]);
+            assert!(
+                !is_another_size(problem, (fit, information), baseline, fit.effects[0]),
+                "it is not there"
+            );
         });
     }
 

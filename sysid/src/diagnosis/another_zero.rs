@@ -31,6 +31,8 @@ pub const PAIRS: [[&dyn Effect; 2]; 4] = [
 ];
 /// What pulls back to the angle's zero.
 const SPRINGS: [&str; 3] = ["gravity_stiffness", "linear_stiffness", "cubic_stiffness"];
+/// Those of them that stand in each other's place.
+const STRAIGHT: [&str; 2] = ["gravity_stiffness", "linear_stiffness"];
 /// Prior probability that a constant moment holds what hangs aside, or another zero, and neither the command nor the background.
 const HELD: f64 = 0.8;
 const ZEROED: f64 = 0.1;
@@ -68,21 +70,36 @@ pub fn log_prior_of_holder(effects: &[&'static dyn Effect]) -> f64 {
 /// `before` with both terms of `pair`, and with gravity alone from there: beside a slow background what holds it may not be seen.
 /// Nothing where the angle does not keep to one side.
 pub fn about_another_zero(problem: &Problem<'_>, before: &Fit, pair: [&'static dyn Effect; 2]) -> Vec<Fit> {
-    let both = if problem.hangs_aside { hanging(problem, before, pair) } else { None };
+    let asked = problem.hangs_aside && !has_straight_spring(problem, before);
+    let both = if asked { hanging(problem, before, pair) } else { None };
     let alone = both.as_ref().and_then(|both| without(problem, both, both.effects.len() - 1));
     both.into_iter().chain(alone).collect()
 }
 
-/// `before` with gravity, or a spring that is too stiff for it, where the motion swings by a regression ([`swing_of`]) and hangs at zero: a pendulum that the air keeps
-/// swinging moves by itself more than by the command, and a disturbance that has settled on its frequency leaves nothing for a spring
-/// to be found by.
-pub fn about_zero(problem: &Problem<'_>, before: &Fit) -> Option<Fit> {
-    if problem.hangs_aside || before.effects.iter().any(|e| SPRINGS.contains(&e.about().id)) {
+/// Whether the user's model or `before` has gravity or a straight spring.
+fn has_straight_spring(problem: &Problem<'_>, before: &Fit) -> bool {
+    let known = problem.baseline.terms.iter().map(|term| term.effect);
+    known.chain(before.effects.iter().copied()).any(|e| STRAIGHT.contains(&e.about().id))
+}
+
+/// `before` with gravity, or a spring that is too stiff for it, whichever is `asked_of`, where the motion swings by a regression
+/// ([`swing_of`]) and hangs at zero: a pendulum that the air keeps swinging moves by itself more than by the command, and a
+/// disturbance that has settled on its frequency leaves nothing for a spring to be found by.
+pub fn about_zero(
+    problem: &Problem<'_>,
+    before: &Fit,
+    asked_of: impl Fn(&dyn Effect) -> bool,
+) -> Option<Fit> {
+    let springs = before.effects.iter().any(|e| SPRINGS.contains(&e.about().id));
+    if problem.hangs_aside || springs || has_straight_spring(problem, before) {
         return None;
     }
     let swing = swing_of(problem.data)?;
     let spring: &'static dyn Effect =
         if swing.stiffness < STIFFEST { &GravityStiffness } else { &LinearStiffness };
+    if !asked_of(spring) {
+        return None;
+    }
     let effects = [&before.effects[..], &[spring]].concat();
     let sketch = |strength: f64| {
         let mut values = as_it_swings(problem, before, &swing);
@@ -114,17 +131,24 @@ fn hanging(problem: &Problem<'_>, before: &Fit, pair: [&'static dyn Effect; 2]) 
     let swings = swing_of(problem.data);
     let swings = swings.map(|swing| (inertia * swing.stiffness, as_it_swings(problem, before, &swing)));
     let of_gravity = pair[0].about().id == GravityStiffness.about().id;
-    let plants = plants.chain(swings).filter(|(k, _)| (*k < STIFFEST * inertia) == of_gravity);
+    let (most, half) = (STIFFEST * inertia, 0.5 * STIFFEST * inertia);
+    let mut plants: Vec<(f64, Vec<f64>)> = plants.chain(swings).collect();
+    match of_gravity {
+        true => plants.iter_mut().for_each(|(k, _)| *k = if *k < most { *k } else { half }),
+        false => plants.retain(|(k, _)| *k >= most),
+    }
+    plants.dedup();
     let sketch = |((stiffness, values), strength): ((f64, Vec<f64>), f64)| {
         let mut values = values;
         let gain = problem.unpack(&before.effects, &values).plant.dm_du;
         values[problem.noise_range()].copy_from_slice(&problem.noise_start(strength));
-        let holds = stiffness * angle.sin() - gain * input;
+        let turned = if of_gravity { angle.sin() } else { angle };
+        let holds = stiffness * turned - gain * input;
         values.extend([stiffness, if is_trim(pair[1]) { holds } else { holds / stiffness }]);
         fit(problem, &effects, &values, SKETCH)
     };
     let starts: Vec<_> =
-        plants.flat_map(|plant| STRENGTHS.map(|strength| (plant.clone(), strength))).collect();
+        plants.iter().flat_map(|plant| STRENGTHS.map(|strength| (plant.clone(), strength))).collect();
     best_of(problem, &effects, starts.into_par_iter().filter_map(sketch).collect())
 }
 
@@ -169,7 +193,7 @@ mod tests {
             });
             let found = asked(&held, |problem, plain| {
                 let pairs = PAIRS.into_iter().flat_map(|pair| about_another_zero(problem, plain, pair));
-                let fits: Vec<Fit> = pairs.chain(about_zero(problem, plain)).collect();
+                let fits: Vec<Fit> = pairs.chain(about_zero(problem, plain, |_| true)).collect();
                 let best = fits.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion())).unwrap();
                 let value = best.minimum.values[best.range_of(problem, "linear_stiffness").unwrap()][0];
                 (value / stiffness(problem), plain.criterion() - best.criterion())
@@ -184,14 +208,16 @@ mod tests {
         let stiffness = 6.0;
         let swings = flight_with(3, |_, _, angle| -stiffness * angle.sin());
         asked(&swings, |problem, plain| {
-            let fit = about_zero(problem, plain).unwrap();
+            let fit = about_zero(problem, plain, |_| true).unwrap();
             let value = fit.minimum.values[fit.range_of(problem, "gravity_stiffness").unwrap()][0];
             assert!((value / stiffness - 1.0).abs() < 0.1, "{value}");
             assert!(plain.criterion() - fit.criterion() > 30.0);
-            assert!(about_zero(problem, &fit).is_none(), "it has one");
+            assert!(about_zero(problem, &fit, |_| true).is_none(), "it has one");
         });
         let free = flight_with(3, |_, _, _| 0.0);
-        asked(&free, |problem, plain| assert!(about_zero(problem, plain).is_none(), "it does not swing"));
+        asked(&free, |problem, plain| {
+            assert!(about_zero(problem, plain, |_| true).is_none(), "it does not swing")
+        });
     }
 
     #[test]

@@ -154,14 +154,19 @@ impl<'p, 'd> Judgement<'p, 'd> {
         };
         let same = shapes.is_empty() && named.len() == kept.len();
         let mut names_alone = if same { without_minor.clone() } else { alone(&named, &small) };
-        // One without which the names give another gain, which a controller is designed by, or the first of them is of another size, is
-        // material, however little of the prediction it moves.
+        // One without which the names give another gain, which a controller is designed by, is material, however little of the
+        // prediction it moves, and so is one without which the first of them has another size.
         let first = named.first().map(|(_, finding)| finding.effect);
-        let is_another = |alone: &Fit| {
-            is_another_gain(problem, fit, alone)
-                || first.is_some_and(|e| is_another_size(problem, fit, alone, e))
+        let information = &selection.visited[place].information;
+        let gain = |alone: &Fit| is_another_gain(problem, fit, alone);
+        let gain_or_size = |alone: &Fit| {
+            gain(alone) || first.is_some_and(|e| is_another_size(problem, (fit, information), alone, e))
         };
-        if names_alone.as_ref().is_some_and(is_another) {
+        let says_another: [&dyn Fn(&Fit) -> bool; 2] = [&gain, &gain_or_size];
+        for is_another in says_another {
+            if !names_alone.as_ref().is_some_and(is_another) {
+                continue;
+            }
             let stands =
                 |(i, finding): &(usize, Finding)| !barred(*i, finding) && in_every(finding) && clear(finding);
             let promoted = (0..small.len()).filter(|&k| stands(&small[k])).find_map(|k| {

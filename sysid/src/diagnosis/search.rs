@@ -88,17 +88,20 @@ fn to_the_end(problem: &Problem<'_>, before: &Fit, mut sketches: Vec<Fit>) -> Ve
     let within = |fit: &Fit| !fit.at_bound(problem, fit.effects.len() - 1);
     let mut fits: Vec<Fit> = Vec::new();
     loop {
-        let is_fitted = |sketch: &Fit| fits.iter().any(|fit| fit.ids() == sketch.ids());
+        let is_fitted = |sketch: &Fit| fits.iter().any(|fit: &Fit| fit.ids() == sketch.ids());
         let mut near = near_the_best(problem, before, &sketches);
         near.retain(|sketch| !is_fitted(sketch));
-        let refitted = |sketch: &&Fit| refit(problem, &sketch.effects, &sketch.minimum.values);
+        let refitted = |sketch: &&Fit| refit(problem, &sketch.effects, &sketch.minimum.values).filter(within);
         let ended: Vec<Fit> = near.par_iter().filter_map(refitted).collect();
-        let (stand, at_bound): (Vec<Fit>, Vec<Fit>) = ended.into_iter().partition(within);
-        fits.extend(stand);
-        if at_bound.is_empty() {
+        let tried: Vec<_> = near.iter().map(|sketch| sketch.ids()).collect();
+        let all_stand = ended.len() == tried.len();
+        fits.extend(ended);
+        if all_stand {
             return fits;
         }
-        sketches.retain(|sketch| at_bound.iter().all(|fit| fit.ids() != sketch.ids()));
+        let is_out =
+            |sketch: &Fit| tried.contains(&sketch.ids()) && fits.iter().all(|fit| fit.ids() != sketch.ids());
+        sketches.retain(|sketch| !is_out(sketch));
     }
 }
 
@@ -107,7 +110,8 @@ fn near_the_best<'f>(problem: &Problem<'_>, before: &Fit, sketches: &'f [Fit]) -
     // A sketch at a bound often lies lowest and is no candidate in the end: it must not outbid the others.
     let within = |fit: &Fit| !fit.at_bound(problem, fit.effects.len() - 1);
     let lowest = sketches.iter().filter(|f| within(f)).map(|f| f.bic(problem)).fold(f64::INFINITY, f64::min);
-    let needed = (before.bic(problem) - NEEDLESS).max(lowest + SAME_PLACE);
+    let of_use = before.bic(problem) - NEEDLESS;
+    let needed = if lowest.is_finite() { of_use.max(lowest + SAME_PLACE) } else { of_use };
     let class = |fit: &Fit| fit.effects.last().and_then(|effect| effect.class());
     let leading = sketches.iter().find(|fit| fit.bic(problem) == lowest).and_then(class);
     // Of those that do nearly the same, a few steps do not say which does it best.

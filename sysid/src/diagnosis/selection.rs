@@ -16,7 +16,6 @@ use super::posterior::{Selection, Visited, is_shape};
 use super::prior::log_prior;
 use super::rotation::all_but_the_same;
 use super::search::{Prospect, fit_one_more, screen};
-use crate::catalogue::gravity_stiffness::GravityStiffness;
 use crate::catalogue::roll_off::RollOff;
 use crate::catalogue::shapes::SHAPES;
 use crate::catalogue::slow_moment::SlowMoment;
@@ -259,7 +258,7 @@ impl Search<'_, '_> {
         let asked_of = |e: &dyn Effect| missing.iter().any(|other| other.about().id == e.about().id);
         let pairs = PAIRS.into_iter().filter(|pair| pair.iter().all(|e| asked_of(*e)));
         let hanging: Vec<Fit> = pairs.flat_map(|pair| about_another_zero(self.problem, &fit, pair)).collect();
-        let swinging = if asked_of(&GravityStiffness) { about_zero(self.problem, &fit) } else { None };
+        let swinging = about_zero(self.problem, &fit, asked_of);
         let fits: Vec<Fit> = fits.par_iter().filter_map(needed).chain(hanging).chain(swinging).collect();
         let after = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
         Round { before, after }

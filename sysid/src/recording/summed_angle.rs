@@ -4,8 +4,8 @@
 //! θ_k = θ_0 + Σ_{i≤k} (q_i − b) T_i,    q_i that of the row, of the row before, or their mean, T_i by the stamps or their median
 //! ```
 //!
-//! to the last digits of both over a whole stretch without a gap. No sensor of its own keeps to that: a gyro's noise adds up. Taken
-//! for a second one, with noise of its own, it has the rate lag by half a row, which no stiff rig can do.
+//! to the last digits of both over a whole stretch without a gap. No sensor of its own keeps to that: a gyro's noise adds up, and its
+//! scale is another one by a per cent. Taken for a second one, with noise of its own, it has the rate lag by half a row, which no stiff rig can do.
 
 use super::clock::median_step;
 use super::columns::Role;
@@ -15,8 +15,11 @@ use super::{Note, NoteKind};
 /// Fewest rows that are compared, and least share of all rows.
 const FEWEST: usize = 100;
 const LEAST_SHARE: f64 = 0.5;
-/// Digits that the angle must go through for its last one to say anything.
-const DIGITS_TURNED: f64 = 100.0;
+/// Last digits that rounding puts between the angle and the sum, and so many standard deviations of what rounding the rate adds up to.
+const ROUNDED: f64 = 0.6;
+const SUMMED: f64 = 3.0 * 0.289;
+/// The angle turns so many times that: no gyro's scale is as good as to keep to an encoder's count for the whole of it (0.25 %).
+const LEAST_TURNED: f64 = 400.0;
 /// Decimal places that are looked for.
 const MOST_DIGITS: i32 = 9;
 /// Step over the median beyond which rows are missing.
@@ -38,6 +41,9 @@ pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) {
 }
 
 fn is_sum(t: &[f64], rate: &Signal, angle: &Signal) -> bool {
+    if t.len() < FEWEST {
+        return false;
+    }
     let step = median_step(t, 1);
     let stretches = (0..t.len()).collect::<Vec<_>>();
     let longest = stretches.chunk_by(|&a, &b| t[b] - t[a] < GAP * step).max_by_key(|rows| rows.len());
@@ -50,8 +56,8 @@ fn is_sum(t: &[f64], rate: &Signal, angle: &Signal) -> bool {
     let [of_rate, of_angle] = [rate, angle].map(last_digit);
     let (low, high) =
         theta.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-    let rounding = of_angle + of_rate * step * (n as f64).sqrt();
-    if high - low < DIGITS_TURNED * rounding {
+    let rounding = ROUNDED * of_angle + SUMMED * of_rate * step * (n as f64).sqrt();
+    if high - low < LEAST_TURNED * rounding {
         return false;
     }
     [1.0, 0.0, 0.5].into_iter().any(|own| {
@@ -97,8 +103,8 @@ fn widest_off_line(values: &[f64]) -> f64 {
 mod tests {
     use crate::recording::parse;
 
-    /// A swing by a gyro with noise, and an angle of the same board, or of an encoder.
-    fn read(angle: impl Fn(f64, f64) -> f64) -> (bool, Vec<String>) {
+    /// A swing by a gyro with noise, and an angle in these digits, of the same board, or of an encoder.
+    fn read(digit: f64, angle: impl Fn(f64, f64) -> f64) -> (bool, Vec<String>) {
         let mut text = String::from("t_s,u_norm,q_deg_s,theta_deg\n");
         let mut sum = 0.0;
         for k in 0..600 {
@@ -107,7 +113,8 @@ mod tests {
             let q = 40.0 * (9.0 * t).sin() + noise + 0.05;
             sum += 0.005 * q;
             let encoder = 40.0 / 9.0 * (1.0 - (9.0 * t).cos());
-            text.push_str(&format!("{t:.3},{},{q:.2},{:.2}\n", (k / 90) % 2, angle(sum, encoder)));
+            let angle = (angle(sum, encoder) / digit).round() * digit;
+            text.push_str(&format!("{t:.3},{},{q:.2},{angle:.4}\n", (k / 90) % 2));
         }
         let recording = parse("a.csv", text.as_bytes(), &Default::default()).unwrap();
         let told = recording.notes.iter().filter(|note| note.text.contains("running sum"));
@@ -116,9 +123,11 @@ mod tests {
 
     #[test]
     fn a_sum_of_the_rate_is_left_out_and_an_encoder_is_not() {
-        let (used, told) = read(|sum, _| sum);
+        let (used, told) = read(0.01, |sum, _| sum);
         assert!(!used && told[0].starts_with("theta_deg is the running sum of q_deg_s"), "{told:?}");
-        let (used, told) = read(|_, encoder| encoder);
-        assert!(used && told.is_empty(), "{told:?}");
+        for (digit, scale) in [(0.01, 1.0), (0.0879, 1.0), (0.0879, 1.003), (0.35, 1.01)] {
+            let (used, told) = read(digit, |_, encoder| scale * encoder);
+            assert!(used && told.is_empty(), "{digit} {scale}: {told:?}");
+        }
     }
 }

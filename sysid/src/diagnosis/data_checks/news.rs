@@ -15,7 +15,7 @@
 //! the [dwells](super::dwells) of a switching input among them. A controller that is faster than the log answers in the row
 //! of the motion, before which no input can have acted that is new there: l = 0 is a test of its own, but where the rows are
 //! averages, in which the input acts. Outputs that were interpolated between uneven stamps hold what came up to a row later:
-//! there the inputs from two rows on count. An input of a few levels is new by where it may change at all: by the clock of a random
+//! there the inputs from two rows on count. An input of two levels is new by where it may change at all: by the clock of a random
 //! sequence, or its least dwell, the past of the switches tells more of the next than any regression, and so does a model's error
 //! that begins at each of them. There w(k) = u(k) − ū(level, rows since its last switch). What is new in a few places alone, as a ramp at the start and a step, is not
 //! asked: a model that lacks something errs alike all along a ramp.
@@ -42,8 +42,6 @@ const ROUNDING: f64 = 1e-4;
 const LATER_S: [f64; 2] = [0.1, 1.0];
 /// Most later inputs that are looked at.
 const MOST_LATER: usize = 10;
-/// Most levels of an input that is asked by the time since its last switch.
-const FEW_LEVELS: usize = 4;
 /// Fewest samples that are tested.
 const FEWEST: usize = 200;
 /// Stretches that a section is cut into, and how many of them at least the news must come from.
@@ -225,13 +223,13 @@ fn whitened(u: &[f64], taps: usize, counts: &[bool]) -> Option<Vec<f64>> {
     Some((0..u.len()).map(new).collect())
 }
 
-/// What the level of an input of few levels and the rows since its last switch do not tell of each value, by their mean over the rows
+/// What the level of an input of two levels and the rows since its last switch do not tell of each value, by their mean over the rows
 /// that count; `None` for any other input.
 fn by_age(u: &[f64], counts: &[bool]) -> Option<Vec<f64>> {
     let mut levels: Vec<f64> = u.iter().zip(counts).filter(|(_, c)| **c).map(|(u, _)| *u).collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
-    if levels.len() > FEW_LEVELS {
+    if levels.len() != 2 {
         return None;
     }
     let mut age = 0;
@@ -239,7 +237,8 @@ fn by_age(u: &[f64], counts: &[bool]) -> Option<Vec<f64>> {
         .map(|k| {
             let before = u[k.saturating_sub(1)];
             age = if k < 2 || before != u[k - 2] { 1 } else { age + 1 };
-            (before.to_bits(), age)
+            // zero has two signs, and is one level
+            ((before + 0.0).to_bits(), age)
         })
         .collect();
     let mut sums: HashMap<(u64, usize), (f64, f64)> = HashMap::new();
