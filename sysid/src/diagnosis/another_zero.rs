@@ -216,7 +216,7 @@ mod tests {
         });
         let free = flight_with(3, |_, _, _| 0.0);
         asked(&free, |problem, plain| {
-            assert!(about_zero(problem, plain, |_| true).is_none(), "it does not swing")
+            assert!(about_zero(problem, plain, |_| true).is_none(), "it does not swing");
         });
     }
 
