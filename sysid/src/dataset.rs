@@ -10,7 +10,7 @@ use crate::error::{Error, ErrorKind};
 use crate::moving_mean::MovingMean;
 use crate::recording::{InputHold, InputUnit, Recording, Section, WHOLE};
 use core::ops::Range;
-use input::has_two_levels;
+pub(crate) use input::has_two_levels;
 
 /// One stretch of uniformly sampled signals without a gap.
 #[derive(Clone, Debug)]

@@ -107,8 +107,7 @@ mod tests {
         let noise = |k: usize| 0.05 * ((k as f64 * 0.618_033_988_749_895).fract() - 0.5);
         let moment =
             angle.iter().enumerate().map(|(k, angle)| noise(k) + 0.02 * (n * angle + phase).sin()).collect();
-        let data =
-            Amplitudes { inertia: 1.0, moment: 0.3, step: 0.01, turned: 66.0, ..Amplitudes::default() };
+        let data = Amplitudes { moment: 0.3, step: 0.01, turned: 66.0, ..Amplitudes::default() };
         let starts = Cogging.starts_from(&data, &ResidualMoment { start: 0.0, step: 0.01, moment, angle });
         let found = &starts[0];
         let around = TAU / data.turned;

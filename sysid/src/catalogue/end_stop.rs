@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn a_stop_is_free_for_a_quarter_of_the_time_at_the_least() {
         let free = |angles: [f64; 3]| {
-            let data = Amplitudes { inertia: 1.0, theta: 0.1, moment: 1.0, angles, ..Amplitudes::default() };
+            let data = Amplitudes { theta: 0.1, moment: 1.0, angles, ..Amplitudes::default() };
             let [stop, _] = EndStop.parameters(&data).try_into().unwrap_or_else(|_| panic!());
             let starts = EndStop.starts(&data);
             assert!(starts.iter().all(|start| stop.lower < start[0] && start[0] < stop.upper), "{starts:?}");

@@ -121,15 +121,8 @@ mod tests {
 
     #[test]
     fn of_a_command_that_goes_as_much_up_as_down_only_what_tells_them_apart_leaves_a_mean() {
-        let sizes = Amplitudes {
-            inertia: 1.0,
-            step: 0.01,
-            u: 0.02,
-            moment: 0.2,
-            q: 0.3,
-            theta: 0.1,
-            ..Amplitudes::default()
-        };
+        let sizes =
+            Amplitudes { step: 0.01, u: 0.02, moment: 0.2, q: 0.3, theta: 0.1, ..Amplitudes::default() };
         for effect in CATALOGUE {
             if effect.about().locus != Locus::Actuator {
                 continue;

@@ -131,8 +131,7 @@ mod tests {
 
     #[test]
     fn a_window_is_seen_in_what_is_left_and_one_that_stays_as_well() {
-        let data =
-            Amplitudes { inertia: 1.0, moment: 0.3, step: 0.02, duration: 61.74, ..Amplitudes::default() };
+        let data = Amplitudes { moment: 0.3, step: 0.02, duration: 61.74, ..Amplitudes::default() };
         let left = |to: i32| {
             let moment = (0..3037).map(|k| if (1000..to).contains(&k) { 0.1 } else { 0.02 });
             // the last part is shorter than the others

@@ -44,7 +44,7 @@ fn rows_at_rest(signal: &[f64]) -> usize {
 }
 
 /// Whether a signal has two values and no third.
-pub(super) fn has_two_levels<'a>(mut input: impl Iterator<Item = &'a f64>) -> bool {
+pub fn has_two_levels<'a>(mut input: impl Iterator<Item = &'a f64>) -> bool {
     let Some(first) = input.next() else { return false };
     let Some(second) = input.find(|u| *u != first) else { return false };
     input.all(|u| u == first || u == second)

@@ -23,7 +23,7 @@ use crate::model::effect::Effect;
 use rayon::prelude::*;
 
 /// What hangs, and what may hold it.
-pub const PAIRS: [[&dyn Effect; 2]; 4] = [
+const PAIRS: [[&dyn Effect; 2]; 4] = [
     [&GravityStiffness, &TrimOffset],
     [&GravityStiffness, &RestAngle],
     [&LinearStiffness, &TrimOffset],
@@ -67,13 +67,24 @@ pub fn log_prior_of_holder(effects: &[&'static dyn Effect]) -> f64 {
     }
 }
 
-/// `before` with both terms of `pair`, and with gravity alone from there: beside a slow background what holds it may not be seen.
-/// Nothing where the angle does not keep to one side.
-pub fn about_another_zero(problem: &Problem<'_>, before: &Fit, pair: [&'static dyn Effect; 2]) -> Vec<Fit> {
-    let asked = problem.hangs_aside && !has_straight_spring(problem, before);
-    let both = if asked { hanging(problem, before, pair) } else { None };
-    let alone = both.as_ref().and_then(|both| without(problem, both, both.effects.len() - 1));
-    both.into_iter().chain(alone).collect()
+/// `before` with both terms of each pair that is `asked_of`, and with its spring alone from there: beside a slow background what holds
+/// it may not be seen. Nothing where the angle does not keep to one side.
+pub fn about_another_zero(
+    problem: &Problem<'_>,
+    before: &Fit,
+    asked_of: impl Fn(&dyn Effect) -> bool,
+) -> Vec<Fit> {
+    if !problem.hangs_aside || has_straight_spring(problem, before) {
+        return Vec::new();
+    }
+    let swing = swing_of(problem.data);
+    let asked = PAIRS.into_iter().filter(|pair| pair.iter().all(|e| asked_of(*e)));
+    let hanging = asked.filter_map(|pair| hanging(problem, before, pair, swing.as_ref()));
+    let with_alone = |both: Fit| {
+        let alone = without(problem, &both, both.effects.len() - 1);
+        std::iter::once(both).chain(alone)
+    };
+    hanging.flat_map(with_alone).collect()
 }
 
 /// Whether the user's model or `before` has gravity or a straight spring.
@@ -121,15 +132,19 @@ fn as_it_swings(problem: &Problem<'_>, before: &Fit, swing: &Regression) -> Vec<
     values
 }
 
-fn hanging(problem: &Problem<'_>, before: &Fit, pair: [&'static dyn Effect; 2]) -> Option<Fit> {
+fn hanging(
+    problem: &Problem<'_>,
+    before: &Fit,
+    pair: [&'static dyn Effect; 2],
+    swing: Option<&Regression>,
+) -> Option<Fit> {
     let angle = problem.data.mean_angle()?;
     let effects = [&before.effects[..], &pair].concat();
     let input = problem.data.mean_input();
     let inertia = problem.baseline.plant.inertia;
     let usual = problem.sizes.moment / problem.sizes.theta;
     let plants = SHARES.map(|share| (share * usual, before.minimum.values.clone())).into_iter();
-    let swings = swing_of(problem.data);
-    let swings = swings.map(|swing| (inertia * swing.stiffness, as_it_swings(problem, before, &swing)));
+    let swings = swing.map(|swing| (inertia * swing.stiffness, as_it_swings(problem, before, swing)));
     let of_gravity = pair[0].about().id == GravityStiffness.about().id;
     let (most, half) = (STIFFEST * inertia, 0.5 * STIFFEST * inertia);
     let mut plants: Vec<(f64, Vec<f64>)> = plants.chain(swings).collect();
@@ -170,7 +185,7 @@ mod tests {
         let fits = asked(&aside, |problem, plain| {
             let value =
                 |fit: &Fit| fit.minimum.values[fit.range_of(problem, "gravity_stiffness").unwrap()][0];
-            let fits = about_another_zero(problem, plain, PAIRS[0]);
+            let fits = about_another_zero(problem, plain, |_| true);
             let gain = |fit: &Fit| plain.criterion() - fit.criterion();
             fits.iter().map(|fit| (fit.ids(), value(fit), gain(fit))).collect::<Vec<_>>()
         });
@@ -179,7 +194,7 @@ mod tests {
         assert!((value / stiffness - 1.0).abs() < 0.1 && *gain > 30.0, "{fits:?}");
         assert_eq!(fits[1].0, ["gravity_stiffness"]);
         let level = flight_with(3, |_, _, angle| -stiffness * angle.sin());
-        assert_eq!(asked(&level, |problem, plain| about_another_zero(problem, plain, PAIRS[0]).len()), 0);
+        assert_eq!(asked(&level, |problem, plain| about_another_zero(problem, plain, |_| true).len()), 0);
     }
 
     #[test]
@@ -192,8 +207,8 @@ mod tests {
                 inertia * (1.5 * STIFFEST * (hangs_at - angle) - 15.0 * rate)
             });
             let found = asked(&held, |problem, plain| {
-                let pairs = PAIRS.into_iter().flat_map(|pair| about_another_zero(problem, plain, pair));
-                let fits: Vec<Fit> = pairs.chain(about_zero(problem, plain, |_| true)).collect();
+                let aside = about_another_zero(problem, plain, |_| true);
+                let fits: Vec<Fit> = aside.into_iter().chain(about_zero(problem, plain, |_| true)).collect();
                 let best = fits.into_iter().min_by(|a, b| a.criterion().total_cmp(&b.criterion())).unwrap();
                 let value = best.minimum.values[best.range_of(problem, "linear_stiffness").unwrap()][0];
                 (value / stiffness(problem), plain.criterion() - best.criterion())

@@ -85,7 +85,7 @@ pub fn fit_one_more(
 /// Those of `sketches` that come near the best, fitted to the end. One that ends at a bound is no candidate, and those that it has
 /// outbid come after it.
 fn to_the_end(problem: &Problem<'_>, before: &Fit, mut sketches: Vec<Fit>) -> Vec<Fit> {
-    let within = |fit: &Fit| !fit.at_bound(problem, fit.effects.len() - 1);
+    let within = |fit: &Fit| is_within(problem, fit);
     let mut fits: Vec<Fit> = Vec::new();
     loop {
         let is_fitted = |sketch: &Fit| fits.iter().any(|fit: &Fit| fit.ids() == sketch.ids());
@@ -105,11 +105,19 @@ fn to_the_end(problem: &Problem<'_>, before: &Fit, mut sketches: Vec<Fit>) -> Ve
     }
 }
 
+/// Whether the candidate, the last of the effects, has not ended at a bound.
+fn is_within(problem: &Problem<'_>, fit: &Fit) -> bool {
+    !fit.at_bound(problem, fit.effects.len() - 1)
+}
+
 /// Those of `sketches` that may come to lie near the best of them.
 fn near_the_best<'f>(problem: &Problem<'_>, before: &Fit, sketches: &'f [Fit]) -> Vec<&'f Fit> {
     // A sketch at a bound often lies lowest and is no candidate in the end: it must not outbid the others.
-    let within = |fit: &Fit| !fit.at_bound(problem, fit.effects.len() - 1);
-    let lowest = sketches.iter().filter(|f| within(f)).map(|f| f.bic(problem)).fold(f64::INFINITY, f64::min);
+    let lowest = sketches
+        .iter()
+        .filter(|f| is_within(problem, f))
+        .map(|f| f.bic(problem))
+        .fold(f64::INFINITY, f64::min);
     let of_use = before.bic(problem) - NEEDLESS;
     let needed = if lowest.is_finite() { of_use.max(lowest + SAME_PLACE) } else { of_use };
     let class = |fit: &Fit| fit.effects.last().and_then(|effect| effect.class());

@@ -8,7 +8,7 @@
 //! E is the calibrated evidence of [`crate::likelihood::evidence`], the prior that of [`super::prior`]. A term is added while that
 //! raises the posterior; then every term is dropped, and exchanged for every other, until no such step does.
 
-use super::another_zero::{PAIRS, about_another_zero, about_zero};
+use super::another_zero::{about_another_zero, about_zero};
 use super::change_point::best_moment;
 use super::excerpt::{carried, excerpt};
 use super::levels::{MOST_TERMS, PLAUSIBLE};
@@ -256,8 +256,7 @@ impl Search<'_, '_> {
             }
         };
         let asked_of = |e: &dyn Effect| missing.iter().any(|other| other.about().id == e.about().id);
-        let pairs = PAIRS.into_iter().filter(|pair| pair.iter().all(|e| asked_of(*e)));
-        let hanging: Vec<Fit> = pairs.flat_map(|pair| about_another_zero(self.problem, &fit, pair)).collect();
+        let hanging = about_another_zero(self.problem, &fit, asked_of);
         let swinging = about_zero(self.problem, &fit, asked_of);
         let fits: Vec<Fit> = fits.par_iter().filter_map(needed).chain(hanging).chain(swinging).collect();
         let after = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();

@@ -62,7 +62,8 @@ fn is_constant(values: &[f64]) -> bool {
     values.iter().all(|v| Some(v) == values.first())
 }
 
-fn extremes(values: &[f64]) -> (f64, f64) {
+/// The least and the largest value.
+pub(super) fn extremes(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
 }
 

@@ -7,6 +7,7 @@
 //! where all x lie within one turn and span it, and some go by a whole one from row to row, but for a quarter. A swing that is seen on
 //! one side before a gap and on the other after it does not.
 
+use super::checks::extremes;
 use super::clock::counted;
 use super::columns::Role;
 use super::missing::lines;
@@ -50,8 +51,7 @@ pub(super) fn add(table: &mut Table, notes: &mut Vec<Note>) -> bool {
 
 /// Makes `angle` continuous; the rows that jumped.
 fn continued(angle: &mut [f64]) -> Vec<usize> {
-    let (low, high) =
-        angle.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    let (low, high) = extremes(angle);
     let step = |k: usize| (angle[k] - angle[k - 1]).abs();
     let jumps: Vec<usize> = (1..angle.len()).filter(|&k| step(k) > PI).collect();
     let one_turn = TAU * SPANNED..TAU * (1.0 + ROUNDING);

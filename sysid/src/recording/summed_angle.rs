@@ -5,8 +5,10 @@
 //! ```
 //!
 //! to the last digits of both over a whole stretch without a gap. No sensor of its own keeps to that: a gyro's noise adds up, and its
-//! scale is another one by a per cent. Taken for a second one, with noise of its own, it has the rate lag by half a row, which no stiff rig can do.
+//! scale is another one by a per cent. Taken for a second one, with noise of its own, it has the rate lag by half a row, which no
+//! stiff rig can do.
 
+use super::checks::extremes;
 use super::clock::median_step;
 use super::columns::Role;
 use super::table::{Signal, Table};
@@ -54,8 +56,7 @@ fn is_sum(t: &[f64], rate: &Signal, angle: &Signal) -> bool {
         return false;
     }
     let [of_rate, of_angle] = [rate, angle].map(last_digit);
-    let (low, high) =
-        theta.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    let (low, high) = extremes(theta);
     let rounding = ROUNDED * of_angle + SUMMED * of_rate * step * (n as f64).sqrt();
     if high - low < LEAST_TURNED * rounding {
         return false;

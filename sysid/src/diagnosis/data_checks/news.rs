@@ -17,12 +17,13 @@
 //! averages, in which the input acts. Outputs that were interpolated between uneven stamps hold what came up to a row later:
 //! there the inputs from two rows on count. An input of two levels is new by where it may change at all: by the clock of a random
 //! sequence, or its least dwell, the past of the switches tells more of the next than any regression, and so does a model's error
-//! that begins at each of them. There w(k) = u(k) − ū(level, rows since its last switch). What is new in a few places alone, as a ramp at the start and a step, is not
-//! asked: a model that lacks something errs alike all along a ramp.
+//! that begins at each of them. There w(k) = u(k) − ū(level, rows since its last switch). What is new in a few places alone, as a ramp
+//! at the start and a step, is not asked: a model that lacks something errs alike all along a ramp.
 //!
 //! Sources: Haugh, JASA 71, 1976; White's (1980) variance, for errors of uneven size.
 
 use super::dwells::{Dwells, Told};
+use crate::dataset::has_two_levels;
 use crate::model::pitch::Output;
 use crate::optim::least_squares::least_squares;
 use nalgebra::DVector;
@@ -102,18 +103,15 @@ impl Section<'_> {
         let taps = ((MEMORY_S / self.step) as usize).clamp(2, MOST_TAPS).min(self.u.len() / 8);
         let all: Vec<bool> = (0..self.u.len()).map(|k| k >= taps && !self.supervised[k]).collect();
         let switching = by_age(self.u, &all);
-        let switches_alone = switching.is_some();
-        let whole = match switching {
-            Some(new) => new,
-            None => whitened(self.u, taps, &all)?,
-        };
+        let asked_between = switching.is_none();
+        let whole = switching.or_else(|| whitened(self.u, taps, &all))?;
         if typical_size(&whole, &all) < ROUNDING * typical_size(self.u, &all) {
             return None;
         }
         let channels = uncorrelated(self.e);
         let [near, far] = LATER_S.map(|reach| self.later(reach));
         let sums = |lags: &[usize], new: &[f64], counts: &[bool]| self.sums(&channels, new, counts, lags);
-        let between = (!switches_alone).then(|| self.between_switches(taps, whole.clone(), &all)).flatten();
+        let between = asked_between.then(|| self.between_switches(taps, whole.clone(), &all)).flatten();
         let (between, whole) = (between.as_ref(), (&whole, &all));
         let in_its_row = |(new, counts): (&Vec<f64>, &Vec<bool>)| {
             (self.averaged == 1 && !self.interpolated).then(|| sums(&[0], new, counts)).flatten()
@@ -226,10 +224,7 @@ fn whitened(u: &[f64], taps: usize, counts: &[bool]) -> Option<Vec<f64>> {
 /// What the level of an input of two levels and the rows since its last switch do not tell of each value, by their mean over the rows
 /// that count; `None` for any other input.
 fn by_age(u: &[f64], counts: &[bool]) -> Option<Vec<f64>> {
-    let mut levels: Vec<f64> = u.iter().zip(counts).filter(|(_, c)| **c).map(|(u, _)| *u).collect();
-    levels.sort_by(f64::total_cmp);
-    levels.dedup();
-    if levels.len() != 2 {
+    if !has_two_levels(u.iter().zip(counts).filter(|(_, counts)| **counts).map(|(u, _)| u)) {
         return None;
     }
     let mut age = 0;
