@@ -176,8 +176,7 @@ fn format_cases() -> Vec<Case> {
     use ErrorKind::Format;
     let mut latin1 = file(HEADER, &[]).into_bytes();
     latin1.extend(b"# 5 \xb0\n");
-    let offset = latin1.iter().position(|&b| b == 0xb0).unwrap();
-    assert_eq!(offset, file(HEADER, &[]).len() + 4);
+    assert!(latin1.contains(&0xb0));
     vec![
         case("ULog", *b"ULog\x01\x12\x35\x01", Format, None, None, &["PX4 flight log", "pitchid show"]),
         case(
@@ -197,7 +196,6 @@ fn format_cases() -> Vec<Case> {
             None,
             &["spreadsheet", "save the sheet as CSV"],
         ),
-        case("UTF-16", *b"\xff\xfet\0_\0", Format, None, None, &["UTF-16", "UTF-8"]),
         case(
             "other binary",
             *b"t_s\n\x01\x00\x02",

@@ -93,6 +93,7 @@ fn mapped(header: &[String], map: &ColumnMap) -> Result<Source, Error> {
             (Some((index, _)), None) => Ok(index),
             (Some(_), Some(_)) => Err(double_column(name)),
             (None, _) if name == ROW => Ok(header.len()),
+            (None, _) if let Some(place) = by_place(name, header.len()) => Ok(place),
             (None, _) => {
                 let found = format!("{option}: the file has no column {}", quote(name));
                 let advice = "name a column of the file, in the same upper and lower case";
@@ -103,6 +104,12 @@ fn mapped(header: &[String], map: &ColumnMap) -> Result<Source, Error> {
     };
     let places = map.source.names().iter().map(place).collect::<Result<Vec<usize>, Error>>()?;
     Ok(Source::new(role, map.source.clone(), places, unit * map.factor))
+}
+
+/// The place from 0 of the column called c1, c2, ... from the left, of so many.
+fn by_place(name: &str, columns: usize) -> Option<usize> {
+    let place = name.strip_prefix('c')?.parse::<usize>().ok()?;
+    (1..=columns).contains(&place).then(|| place - 1)
 }
 
 fn double_column(name: &str) -> Error {

@@ -16,9 +16,11 @@ mod cut;
 mod even_rows;
 mod export;
 mod expression;
+mod fields;
 mod full_turns;
 mod garbled;
 mod in_memory;
+mod layout;
 mod matlab;
 mod missing;
 mod options;
@@ -30,6 +32,7 @@ mod sniff;
 mod stray_stamps;
 mod summed_angle;
 mod table;
+mod wall_clock;
 mod wild;
 mod write;
 
@@ -45,6 +48,7 @@ pub(crate) use sections::WHOLE;
 use crate::error::{Error, ErrorKind};
 use crate::files;
 use columns::Role;
+use layout::Layout;
 use table::Table;
 
 /// A recording on a uniform grid, SI units; every series has the length of `t`, and every number is finite.
@@ -181,7 +185,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Error> {
 /// # Errors
 /// No header line.
 pub fn header(name: &str, text: &[u8]) -> Result<Vec<String>, Error> {
-    table::header(text).map_err(|error| error.in_file(name))
+    let text = sniff::text(text).map_err(|error| error.in_file(name))?;
+    Layout::read(&text).map(|layout| layout.names).map_err(|error| error.in_file(name))
 }
 
 /// A recording's bytes as CSV, made of a Parquet table or a MATLAB file where they are one; `name` stands for the file in messages.

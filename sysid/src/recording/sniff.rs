@@ -1,11 +1,12 @@
 //! Tells what a file is when it is no recording: flight logs, archives, other encodings, other separators.
 
+use super::fields::BLANKS;
 use super::garbled::are_few;
 use crate::error::{Error, ErrorKind};
 use std::borrow::Cow;
 
 /// First bytes, what they mean, what to do.
-const SIGNATURES: [(&[u8], &str, &str); 11] = [
+const SIGNATURES: [(&[u8], &str, &str); 9] = [
     (b"ULog", "a PX4 flight log (ULog)", LOG_ADVICE),
     (b"H Product:Blackbox", "a Betaflight blackbox log", LOG_ADVICE),
     (&[0xA3, 0x95], "an ArduPilot flight log (DataFlash)", LOG_ADVICE),
@@ -19,8 +20,6 @@ const SIGNATURES: [(&[u8], &str, &str); 11] = [
         "in MATLAB save(FILE, '-v7'), or writetable to CSV",
     ),
     (b"SQLite format 3", "a database (ROS 2 bag among others)", "export the topics as CSV"),
-    (&[0xFF, 0xFE], "UTF-16 text", "save it as UTF-8"),
-    (&[0xFE, 0xFF], "UTF-16 text", "save it as UTF-8"),
 ];
 const MARK: char = '\u{feff}';
 const LOG_ADVICE: &str = "give it to pitchid show, diagnose or identify, which read it as it is";
@@ -42,13 +41,26 @@ pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
             Error::new(ErrorKind::Format, format!("this is {what}"), *advice).expecting("a UTF-8 CSV file")
         );
     }
+    if let [0xFF, 0xFE, rest @ ..] | [0xFE, 0xFF, rest @ ..] = bytes {
+        let is_little = bytes[0] == 0xFF;
+        let unit = |pair: &[u8]| match is_little {
+            true => u16::from_le_bytes([pair[0], pair[1]]),
+            false => u16::from_be_bytes([pair[0], pair[1]]),
+        };
+        let units: Vec<u16> = rest.chunks_exact(2).map(unit).collect();
+        return Ok(Cow::Owned(String::from_utf16_lossy(&units)));
+    }
     let zero = bytes.iter().position(|&b| b == 0);
     let text = std::str::from_utf8(bytes);
     if let (None, Ok(text)) = (zero, text) {
         return Ok(Cow::Borrowed(text.strip_prefix(MARK).unwrap_or(text)));
     }
     if has_few_garbled(bytes) {
-        let text = String::from_utf8_lossy(bytes);
+        let is_text =
+            bytes.split(|&b| b == b'\n').next().is_some_and(|line| std::str::from_utf8(line).is_ok());
+        // names with a degree sign as older programs write it
+        let latin_1 = || bytes.iter().copied().map(char::from).collect::<String>();
+        let text = if is_text { String::from_utf8_lossy(bytes) } else { Cow::Owned(latin_1()) };
         return Ok(Cow::Owned(text.strip_prefix(MARK).unwrap_or(&text).to_owned()));
     }
     if let Some(offset) = zero {
@@ -66,28 +78,38 @@ pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
         .expecting("a UTF-8 CSV file"))
 }
 
-/// Whether few lines hold bytes that are no text, and the first is none of them.
+/// Whether few lines hold bytes that are no text.
 fn has_few_garbled(bytes: &[u8]) -> bool {
     let is_text = |line: &[u8]| !line.contains(&0) && std::str::from_utf8(line).is_ok();
-    let mut lines = bytes.split(|&b| b == b'\n').map(is_text);
-    let first = lines.next();
+    let lines = bytes.split(|&b| b == b'\n').map(is_text);
     let (all, garbled) =
-        lines.fold((1, 0), |(all, garbled), is_text| (all + 1, garbled + usize::from(!is_text)));
-    first == Some(true) && are_few(garbled, all)
+        lines.fold((0, 0), |(all, garbled), is_text| (all + 1, garbled + usize::from(!is_text)));
+    bytes.iter().take_while(|&&b| b != b'\n').all(|&b| b != 0) && are_few(garbled, all)
 }
 
 fn line_at(bytes: &[u8], offset: usize) -> usize {
     1 + bytes.iter().take(offset).filter(|&&b| b == b'\n').count()
 }
 
-/// What separates the columns: semicolons or tabs, where the header has no comma, or the row below as many of them; else commas.
+/// What separates the columns: semicolons or tabs, where the header has no comma, or the row below as many of them; blanks, where the row
+/// below is numbers between blanks; else commas.
 pub(super) fn separator(header: &str, below: &str) -> u8 {
     let times = |line: &str, separator: u8| line.bytes().filter(|byte| *byte == separator).count();
     let separates = |separator: &u8| match times(header, *separator) {
         0 => false,
         some => !header.contains(',') || times(below, *separator) == some,
     };
-    [b';', b'\t'].into_iter().find(separates).unwrap_or(b',')
+    let otherwise = if is_between_blanks(below) { BLANKS } else { b',' };
+    [b';', b'\t'].into_iter().find(separates).unwrap_or(otherwise)
+}
+
+/// Whether a row is two numbers or more between blanks, no comma among them but a decimal one.
+fn is_between_blanks(row: &str) -> bool {
+    let whole = |word: &str| !word.starts_with(',') && !word.ends_with(',');
+    let is_number = |word: &str| whole(word) && word.replace(',', ".").parse::<f64>().is_ok();
+    let numbers = row.split_whitespace().filter(|word| is_number(word)).count();
+    let words = row.split_whitespace().count();
+    numbers >= 2 && (numbers == words || !row.contains(','))
 }
 
 /// What to do about a cell that is not a number.

@@ -2,15 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
-
-use super::assign::{ROW, Source, assign};
+use super::assign::{ROW, Source};
 use super::clock::counted;
 use super::columns::{KNOWN_COLUMNS, Role};
 use super::expression::Expression;
+use super::fields::{Splitter, content_lines};
 use super::garbled::Wrong;
+use super::layout::Layout;
 use super::options::{ColumnMap, ReadOptions};
-use super::{Note, NoteKind, missing, sniff};
+use super::{Note, NoteKind, missing, sniff, wall_clock};
 use crate::error::{Error, ErrorKind, quote};
 
 /// A number beyond this is no measurement in SI units.
@@ -117,152 +117,15 @@ fn check_finite(values: &[f64], largest: f64, column: &str, rows: usize) -> Resu
     }
 }
 
-/// Splits one line into fields; the buffers are kept from line to line.
-struct Splitter {
-    reader: Reader,
-    separator: u8,
-    bytes: Vec<u8>,
-    ends: Vec<usize>,
-    fields: usize,
-}
-
-impl Splitter {
-    fn new(separator: u8) -> Self {
-        let reader = ReaderBuilder::new().delimiter(separator).build();
-        Self { reader, separator, bytes: vec![0; 4096], ends: vec![0; 256], fields: 0 }
-    }
-
-    /// Splits `line` (without its line end) at the separators, quotes removed.
-    fn split(&mut self, line: &str) -> Result<(), Error> {
-        self.reader.reset();
-        self.fields = 0;
-        let (mut input, mut written, mut closed) = (line.as_bytes(), 0, false);
-        loop {
-            let (result, read, wrote, ended) =
-                self.reader.read_record(input, &mut self.bytes[written..], &mut self.ends[self.fields..]);
-            input = &input[read..];
-            written += wrote;
-            self.fields += ended;
-            match result {
-                ReadRecordResult::OutputFull => self.bytes.resize(2 * self.bytes.len(), 0),
-                ReadRecordResult::OutputEndsFull => self.ends.resize(2 * self.ends.len(), 0),
-                ReadRecordResult::InputEmpty if !closed => {
-                    input = b"\n";
-                    closed = true;
-                }
-                ReadRecordResult::InputEmpty => {
-                    let advice = "close the quote on the same line, or delete it";
-                    return Err(Error::new(ErrorKind::Format, "a quote is opened and not closed", advice));
-                }
-                ReadRecordResult::Record | ReadRecordResult::End => return Ok(()),
-            }
-        }
-    }
-
-    /// The field's text, trimmed.
-    fn field(&self, index: usize) -> &str {
-        let start = if index == 0 { 0 } else { self.ends[index - 1] };
-        std::str::from_utf8(&self.bytes[start..self.ends[index]]).unwrap_or_default().trim()
-    }
-
-    /// The number in the field of the column called `column`; NaN where there is none. Where no comma separates columns, a comma is
-    /// a decimal one.
-    fn number(&self, index: usize, column: &str) -> Result<f64, Error> {
-        let cell = self.field(index);
-        if self.separator != b',' && cell.bytes().filter(|&byte| byte == b',').count() == 1 {
-            return number(&cell.replace(',', "."), cell, column);
-        }
-        number(cell, cell, column)
-    }
-}
-
-/// The lines that carry data or the header, with their numbers from 1; comments and blank lines are left out.
-fn content_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let separator = if text.contains('\n') { '\n' } else { '\r' };
-    let lines = text.split(separator).map(|line| line.strip_suffix('\r').unwrap_or(line));
-    let numbered = lines.enumerate().map(|(index, line)| (index + 1, line));
-    numbered.filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty())
-}
-
-/// The names of the columns.
-pub(super) fn header(bytes: &[u8]) -> Result<Vec<String>, Error> {
-    let text = sniff::text(bytes)?;
-    let mut lines = content_lines(&text);
-    Ok(Header::read(lines.next(), lines.next())?.names)
-}
-
-/// The first line.
-struct Header {
-    line: usize,
-    /// What splits it and the rows below it.
-    splitter: Splitter,
-    names: Vec<String>,
-    /// Whether it has no names but numbers, a row as all others; the names are then c1, c2, ... from the left.
-    is_row: bool,
-}
-
-impl Header {
-    fn read(first: Option<(usize, &str)>, below: Option<(usize, &str)>) -> Result<Self, Error> {
-        let Some((line, text)) = first else {
-            let advice = "check that the logger has written it";
-            return Err(Error::new(ErrorKind::Format, "only comments and blank lines", advice)
-                .expecting("a header line and one line per sample"));
-        };
-        let mut splitter = Splitter::new(sniff::separator(text, below.map_or("", |(_, row)| row)));
-        splitter.split(text).map_err(|error: Error| error.at_line(line))?;
-        let mut names: Vec<String> = (0..splitter.fields).map(|i| splitter.field(i).to_owned()).collect();
-        let is_number = |name: &str| name.replace(',', ".").parse::<f64>().is_ok_and(f64::is_finite);
-        let is_row = names.iter().any(|name| is_number(name))
-            && names.iter().all(|name| is_number(name) || missing::is_missing(name));
-        if is_row {
-            names = (1..=splitter.fields).map(|place| format!("c{place}")).collect();
-        }
-        Ok(Self { line, splitter, names, is_row })
-    }
-
-    /// The columns that play a role.
-    fn assigned(
-        &self,
-        text: &str,
-        options: &ReadOptions,
-        notes: &mut Vec<Note>,
-    ) -> Result<Vec<Source>, Error> {
-        let at_header = |error: Error| error.at_line(self.line);
-        if self.is_row && options.columns.is_empty() {
-            let found = format!("a row of numbers where the header belongs: {}", quote(text));
-            let advice = format!(
-                "say which column is which, from the left c1 to c{}, as in --column t_s=c1 --column u_norm=c2 --column theta_deg=c3; or put a \
-                 first line with the column names, e.g. t_s,u_rad,q_rad_s",
-                self.names.len()
-            );
-            return Err(at_header(Error::new(ErrorKind::Column, found, advice)));
-        }
-        if self.is_row {
-            let text =
-                format!("the file has no header: from the left its columns are c1 to c{}", self.names.len());
-            notes.push(Note::new(NoteKind::Converted, text));
-        }
-        assign(&self.names, &options.columns, notes).map_err(at_header)
-    }
-}
-
 /// Reads header and rows; errors carry line and column, the caller adds the file.
 pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -> Result<Table, Error> {
     let text = sniff::text(bytes)?;
-    let mut lines = content_lines(&text).peekable();
-    let first = lines.next();
-    let header = Header::read(first, lines.peek().copied())?;
-    let header_length = first.map_or(1, |(_, line)| line.len().max(1));
-    let sources = header.assigned(first.map_or("", |(_, line)| line), options, notes)?;
-    let Header { mut splitter, names: header, is_row, .. } = header;
-    let (first, row) = if is_row { (None, first) } else { (first, None) };
-    let mut lines = row.into_iter().chain(lines).peekable();
-    if splitter.separator != b',' {
-        let by = if splitter.separator == b';' { "semicolons" } else { "tabs" };
-        let text = format!("columns separated by {by}: a comma in a number is a decimal one");
-        notes.push(Note::new(NoteKind::Converted, text));
-    }
-    let mut filler = Filler::new(header.clone(), sources, text.len() / header_length);
+    let layout = Layout::read(&text)?;
+    let sources = layout.assigned(options, notes)?;
+    let Layout { mut splitter, names: header, names_stand, rows_from, .. } = layout;
+    let mut lines = content_lines(&text).skip_while(|(number, _)| *number < rows_from).peekable();
+    let row_length = lines.peek().map_or(1, |(_, line)| line.len().max(1));
+    let mut filler = Filler::new(header.clone(), sources, text.len() / row_length);
     let mut wrong = Wrong::default();
     let ends = text.ends_with(['\n', '\r']);
     // the header again is no row that was logged
@@ -271,7 +134,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -
         rows += 1;
         match splitter.split(line) {
             Err(error) => wrong.add(error, number),
-            Ok(()) if first.is_some_and(|(_, header)| header == line) => {
+            Ok(()) if names_stand.is_some_and(|(_, header)| header == line) => {
                 headers += 1;
                 wrong.add(Error::new(ErrorKind::Format, "the header again", "delete the line"), number);
             }
@@ -283,13 +146,16 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -
                 );
                 notes.push(Note::new(NoteKind::Missing, text));
             }
-            Ok(()) if splitter.fields != header.len() => {
+            Ok(()) if !splitter.has_width(header.len()) => {
                 wrong.add(wrong_width(splitter.fields, header.len()), number);
             }
             Ok(()) => filler.push(&splitter, rows - 1 - headers, number, &mut wrong),
         }
     }
     notes.extend(wrong.of(rows)?);
+    if filler.of_day {
+        wall_clock::over_midnight(&mut filler.table.t);
+    }
     Ok(filler.table)
 }
 
@@ -310,6 +176,8 @@ struct Filler {
     section: Option<Source>,
     supervised: Option<Source>,
     label_of: BTreeMap<String, u32>,
+    /// Whether time stands as the time of day.
+    of_day: bool,
 }
 
 impl Filler {
@@ -324,12 +192,17 @@ impl Filler {
                 _ => table.signals.push(Signal { source, values: Vec::with_capacity(rows) }),
             }
         }
-        Self { header, table, section, supervised, label_of: BTreeMap::new() }
+        Self { header, table, section, supervised, label_of: BTreeMap::new(), of_day: false }
     }
 
     /// The row at `place` among those that were logged, in this line.
     fn push(&mut self, row: &Splitter, place: usize, line: usize, wrong: &mut Wrong) {
         let table = &mut self.table;
+        let stamp = cell(row, &table.time);
+        if place == 0 {
+            self.of_day = wall_clock::seconds(stamp).is_some();
+        }
+        let of_day = if self.of_day { wall_clock::seconds(stamp) } else { None };
         let mut take = |source: &Source, largest| match value(row, place, &self.header, source, largest) {
             Ok(value) => value,
             Err(error) => {
@@ -337,7 +210,7 @@ impl Filler {
                 f64::NAN
             }
         };
-        table.t.push(take(&table.time, LARGEST_TIME));
+        table.t.push(of_day.unwrap_or_else(|| take(&table.time, LARGEST_TIME)));
         for signal in &mut table.signals {
             signal.values.push(take(&signal.source, LARGEST_VALUE));
         }
@@ -379,7 +252,7 @@ impl Filler {
 
 /// The cell of a source that is one column.
 fn cell<'r>(row: &'r Splitter, source: &Source) -> &'r str {
-    source.places.first().map_or("", |&place| row.field(place))
+    source.places.first().filter(|&&place| place < row.fields).map_or("", |&place| row.field(place))
 }
 
 /// What the expression of `source` gives in this row, which is the one at `place`, in SI units; NaN where a cell is missing or it
@@ -417,24 +290,6 @@ fn value(
         _ if !value.is_finite() => Ok(f64::NAN),
         _ => beyond(format!("{} gives {value}", source.name), source.role.column()),
     }
-}
-
-/// The number in `text`, which stands as `cell` in the file; NaN where there is none.
-fn number(text: &str, cell: &str, column: &str) -> Result<f64, Error> {
-    let parsed = text.parse::<f64>();
-    let (found, advice) = match parsed {
-        Ok(raw) if raw.is_finite() => return Ok(raw),
-        _ if missing::is_missing(cell) => return Ok(f64::NAN),
-        Ok(raw) if raw.is_infinite() && !cell.to_ascii_lowercase().contains("inf") => (
-            format!("{}, beyond any measurement", quote(cell)),
-            "look for a broken logger or a wrong unit; correct the cell or delete the row",
-        ),
-        Ok(_) => (quote(cell), "empty the cell or delete the row: then it is a gap"),
-        Err(_) => (quote(cell), sniff::number_advice(cell)),
-    };
-    Err(Error::new(ErrorKind::Value, format!("found {found}"), advice)
-        .in_column(column)
-        .expecting("a finite number"))
 }
 
 /// A flag; where there is none, as it was `before`.

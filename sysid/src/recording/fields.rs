@@ -1,0 +1,121 @@
+//! Lines and the fields in them.
+
+use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
+
+use super::{missing, sniff};
+use crate::error::{Error, ErrorKind, quote};
+
+/// In place of a separator: runs of blanks.
+pub(super) const BLANKS: u8 = b' ';
+
+/// Splits one line into fields; the buffers are kept from line to line.
+pub(super) struct Splitter {
+    reader: Reader,
+    pub(super) separator: u8,
+    /// The line with one blank for each run of them.
+    squeezed: String,
+    bytes: Vec<u8>,
+    ends: Vec<usize>,
+    pub(super) fields: usize,
+}
+
+impl Splitter {
+    pub(super) fn new(separator: u8) -> Self {
+        let reader = ReaderBuilder::new().delimiter(separator).build();
+        let (squeezed, bytes, ends) = (String::new(), vec![0; 4096], vec![0; 256]);
+        Self { reader, separator, squeezed, bytes, ends, fields: 0 }
+    }
+
+    /// Splits `line` (without its line end) at the separators, quotes removed.
+    pub(super) fn split(&mut self, line: &str) -> Result<(), Error> {
+        if self.separator == BLANKS {
+            self.squeezed.clear();
+            for word in line.split_whitespace() {
+                if !self.squeezed.is_empty() {
+                    self.squeezed.push(' ');
+                }
+                self.squeezed.push_str(word);
+            }
+        }
+        let line = if self.separator == BLANKS { &self.squeezed } else { line };
+        self.reader.reset();
+        self.fields = 0;
+        let (mut input, mut written, mut closed) = (line.as_bytes(), 0, false);
+        loop {
+            let (result, read, wrote, ended) =
+                self.reader.read_record(input, &mut self.bytes[written..], &mut self.ends[self.fields..]);
+            input = &input[read..];
+            written += wrote;
+            self.fields += ended;
+            match result {
+                ReadRecordResult::OutputFull => self.bytes.resize(2 * self.bytes.len(), 0),
+                ReadRecordResult::OutputEndsFull => self.ends.resize(2 * self.ends.len(), 0),
+                ReadRecordResult::InputEmpty if !closed => {
+                    input = b"\n";
+                    closed = true;
+                }
+                ReadRecordResult::InputEmpty => {
+                    let advice = "close the quote on the same line, or delete it";
+                    return Err(Error::new(ErrorKind::Format, "a quote is opened and not closed", advice));
+                }
+                ReadRecordResult::Record | ReadRecordResult::End => return Ok(()),
+            }
+        }
+    }
+
+    /// The field's text, trimmed.
+    pub(super) fn field(&self, index: usize) -> &str {
+        let start = if index == 0 { 0 } else { self.ends[index - 1] };
+        std::str::from_utf8(&self.bytes[start..self.ends[index]]).unwrap_or_default().trim()
+    }
+
+    /// The number in the field of the column called `column`; NaN where there is none. Where no comma separates columns, a comma is
+    /// a decimal one.
+    pub(super) fn number(&self, index: usize, column: &str) -> Result<f64, Error> {
+        let cell = self.field(index);
+        if self.separator != b',' && cell.bytes().filter(|&byte| byte == b',').count() == 1 {
+            return number(&cell.replace(',', "."), cell, column);
+        }
+        number(cell, cell, column)
+    }
+
+    /// Whether the line has so many fields, or an empty one behind them, of a separator that ends it.
+    pub(super) fn has_width(&self, fields: usize) -> bool {
+        self.fields == fields || self.fields == fields + 1 && self.field(fields).is_empty()
+    }
+}
+
+/// The lines that carry data or the header, with their numbers from 1; comments and blank lines are left out.
+pub(super) fn content_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    numbered_lines(text).filter(|(_, line)| !is_comment(line) && !line.trim().is_empty())
+}
+
+/// All lines, with their numbers from 1.
+pub(super) fn numbered_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let separator = if text.contains('\n') { '\n' } else { '\r' };
+    let lines = text.split(separator).map(|line| line.strip_suffix('\r').unwrap_or(line));
+    lines.enumerate().map(|(index, line)| (index + 1, line))
+}
+
+/// Whether a line is a comment, of a table or of MATLAB.
+pub(super) fn is_comment(line: &str) -> bool {
+    line.starts_with(['#', '%'])
+}
+
+/// The number in `text`, which stands as `cell` in the file; NaN where there is none.
+fn number(text: &str, cell: &str, column: &str) -> Result<f64, Error> {
+    let parsed = text.parse::<f64>();
+    let (found, advice) = match parsed {
+        Ok(raw) if raw.is_finite() => return Ok(raw),
+        _ if missing::is_missing(cell) => return Ok(f64::NAN),
+        Ok(raw) if raw.is_infinite() && !cell.to_ascii_lowercase().contains("inf") => (
+            format!("{}, beyond any measurement", quote(cell)),
+            "look for a broken logger or a wrong unit; correct the cell or delete the row",
+        ),
+        Ok(_) => (quote(cell), "empty the cell or delete the row: then it is a gap"),
+        Err(_) => (quote(cell), sniff::number_advice(cell)),
+    };
+    Err(Error::new(ErrorKind::Value, format!("found {found}"), advice)
+        .in_column(column)
+        .expecting("a finite number"))
+}

@@ -1,0 +1,66 @@
+//! Times of day and dates with them, in the place of seconds.
+
+use jiff::civil::{DateTime, Time};
+use jiff::{Timestamp, tz::Offset};
+
+/// Seconds in a day.
+const DAY_S: f64 = 86_400.0;
+
+/// Seconds since midnight of a time of day (`12:34:56.789`), or since 1970 of a date with one (ISO 8601, with or without a zone).
+pub(super) fn seconds(cell: &str) -> Option<f64> {
+    if cell.bytes().filter(|&byte| byte == b':').count() < 2 {
+        return None;
+    }
+    let since_1970 = |stamp: Timestamp| stamp.as_duration().as_secs_f64();
+    if let Ok(time) = cell.parse::<Time>()
+        && !cell.contains('-')
+    {
+        return Some(time.duration_since(Time::midnight()).as_secs_f64());
+    }
+    if let Ok(stamp) = cell.parse::<Timestamp>() {
+        return Some(since_1970(stamp));
+    }
+    let date = cell.parse::<DateTime>().ok()?;
+    Offset::UTC.to_timestamp(date).ok().map(since_1970)
+}
+
+/// Lets times of day go on over midnight.
+pub(super) fn over_midnight(times: &mut [f64]) {
+    let mut days = 0.0;
+    let mut before = f64::NAN;
+    for t in times {
+        let of_day = *t;
+        if before - of_day > 0.5 * DAY_S {
+            days += DAY_S;
+        }
+        if !of_day.is_nan() {
+            before = of_day;
+        }
+        *t += days;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_of_day_and_a_date_are_seconds() {
+        assert_eq!(seconds("00:01:02.5"), Some(62.5));
+        assert_eq!(seconds("1970-01-02 00:00:01"), Some(DAY_S + 1.0));
+        assert_eq!(seconds("1970-01-01T01:00:00.25+01:00"), Some(0.25));
+        assert_eq!(seconds("1970-01-01T00:00:03Z"), Some(3.0));
+        for other in ["12:34", "1.5", "a:b:c", "", "25:00:00", "0:00:61"] {
+            assert_eq!(seconds(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn a_day_follows_another() {
+        let mut times = [86_399.0, f64::NAN, 1.0, 0.5, 2.0];
+        over_midnight(&mut times);
+        let past = |s: f64| DAY_S + s;
+        assert_eq!(times[0], 86_399.0);
+        assert_eq!(times[2..], [past(1.0), past(0.5), past(2.0)]);
+    }
+}
