@@ -109,6 +109,8 @@ pub struct Dataset {
     pub thinned: usize,
     /// Whether the logged input has two values and no third: every curve of it is then a gain and a constant.
     pub two_levels: bool,
+    /// Whether a recording has its largest rate in several rows: what clips, reads exactly that.
+    pub rate_clips: bool,
 }
 
 /// A section: where it is.
@@ -219,7 +221,8 @@ impl Dataset {
             }
         }
         let two_levels = has_two_levels(runs.iter().flat_map(|run| &run.u));
-        Ok(Self { runs, input_unit: first.u_unit, has_rate, has_angle, thinned: 1, two_levels })
+        let rate_clips = runs.iter().any(|run| run.rate_limit.is_finite());
+        Ok(Self { runs, input_unit: first.u_unit, has_rate, has_angle, thinned: 1, two_levels, rate_clips })
     }
 
     /// What was noticed about the recordings, and what was done to them here.

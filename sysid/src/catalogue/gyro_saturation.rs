@@ -7,7 +7,8 @@ use crate::model::effect::{About, Effect, Locus, Parameter, Scale};
 use crate::model::pitch::Output;
 
 /// |q_meas| ≤ q_max. Where the log shows the reading at which the rate clips, that is q_max, and nothing is left to fit: a
-/// fit would take a lower one, because the mean of a rate that is not known exactly, once clipped, lies below the limit.
+/// fit would take a lower one, because the mean of a rate that is not known exactly, once clipped, lies below the limit. A rate
+/// of which no row recurs at the largest value does not clip: it levels off for another reason.
 pub struct GyroSaturation;
 
 /// Share to which a limit is read off a log.
@@ -41,7 +42,7 @@ impl Effect for GyroSaturation {
         data.rate_limit.map(|_| 0)
     }
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
-        data.has_rate
+        data.has_rate && data.rate_clips
     }
     fn limit(&self, p: &[f64], y: Output) -> Output {
         [y[0].clamp(-p[0], p[0]), y[1]]

@@ -210,13 +210,17 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
             excitation::input_unseen(&problem, &fitted.fit, &fitted.information).is_some()
                 && !excitation::tells_a_second(&problem, extended)
         };
-        excitation::gain_unknown(&problem, extended, &richest.information).filter(|_| closed || unseen())
+        excitation::gain_unknown(&problem, extended, &richest.information, closed)
+            .filter(|_| closed || unseen())
     };
     let most = excitation::most_ahead(&problem, extended);
     let nothing = || excitation::nothing_follows(most?);
     let itself = || excitation::is_the_input(&problem, most?);
     if let Some(reason) = nothing().or_else(unknown).or_else(itself) {
         checks.extend(data_checks::without_fit("too weak to ask"));
+        if closed {
+            data_checks::tell_loop(&mut checks, &loops);
+        }
         return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
     }
     checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));

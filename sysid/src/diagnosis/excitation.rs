@@ -74,7 +74,7 @@ pub fn too_weak(problem: &Problem<'_>, baseline: &Fit, information: &Information
 /// Why the input is not seen: its effect is not known well enough to ask what is missing from it, and an unstructured model makes
 /// no more of it either.
 pub fn input_unseen(problem: &Problem<'_>, baseline: &Fit, information: &Information) -> Option<String> {
-    let reason = gain_unknown(problem, baseline, information)?;
+    let reason = gain_unknown(problem, baseline, information, false)?;
     let places = problem.data.places();
     let reached = places.iter().filter_map(|place| {
         let run = &problem.data.runs[place.run];
@@ -92,17 +92,34 @@ pub fn tells_a_second(problem: &Problem<'_>, fit: &Fit) -> bool {
     vaf_ahead(problem, fit, &problem.data.places()).is_some_and(|vaf| vaf >= SEEN)
 }
 
-/// Why the data are too weak for a model of a loop that was closed, where an unstructured model of the input copies what the
+/// Why the data are too weak for a model of a loop that was `closed`, where an unstructured model of the input copies what the
 /// controller does: the gain of the model is not known.
-pub fn gain_unknown(problem: &Problem<'_>, fit: &Fit, information: &Information) -> Option<String> {
+pub fn gain_unknown(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    information: &Information,
+    closed: bool,
+) -> Option<String> {
     let all = estimates(problem, fit, Some(information));
     let gain = all.iter().find(|e| e.name == "dM_du")?;
     let half = 0.5 * (gain.ci95[1] - gain.ci95[0]);
     let relative = half / gain.value.abs();
+    let names: Vec<&str> =
+        fit.effects.iter().filter(|e| !e.is_background()).map(|e| e.about().sentence).collect();
+    let beside = match names.is_empty() {
+        true => String::new(),
+        false => format!(" once it is asked whether {}", names.join(", and whether ")),
+    };
+    let [why, remedy] = match closed {
+        true => [
+            "the loop is closed, and beside what the controller answers the input moves too little",
+            "Put in a signal of your own behind the controller, or make a longer test",
+        ],
+        false => ["the excitation is too weak against the noise", "Use a larger amplitude or a longer test"],
+    };
     (relative > WIDEST_GAIN_INTERVAL).then(|| {
         format!(
-            "The data cannot tell: the excitation is too weak against the noise, dM/du is known only to ±{:.0} %. \
-             Use a larger amplitude or a longer test.",
+            "The data cannot tell: {why}, dM/du is known only to ±{:.0} %{beside}. {remedy}.",
             100.0 * relative
         )
     })

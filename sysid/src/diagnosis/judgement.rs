@@ -6,7 +6,7 @@ use super::answer::{Predicted, Verdict};
 use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
-use super::levels::{ADEQUACY, BEYOND_DOUBT, CALM, HELD_OUT_ERRORS, MATERIAL, WORTH_A_NAME};
+use super::levels::{ADEQUACY, BEYOND_DOUBT, CALM, HELD_OUT_ERRORS, MATERIAL, MENDS, WORTH_A_NAME};
 use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection, is_in_other_words};
@@ -299,10 +299,16 @@ fn told(
 }
 
 impl Told {
-    /// The model without the least of the further names that no rotation chooses, nor a rival of it, and that all the same gives the
-    /// input another gain: without any one of the parts it is not seen, and what it says of the others is chance.
+    /// The model without the least shape that held-out data do not show, or without the least of the further names that no rotation
+    /// chooses, nor a rival of it, and that all the same gives the input another gain: without any one of the parts it is not seen,
+    /// and what it says of the others is chance.
     fn unfounded(&self, problem: &Problem<'_>, selection: &Selection) -> Option<usize> {
         let fit = |place: usize| &selection.visited[place].fit;
+        let gain = |finding: &Finding| self.rotation.gain(finding.effect.about().id).unwrap_or_default();
+        let unclear = |finding: &&Finding| !is_clear(finding.effect, &gain(finding));
+        if let Some(without) = self.shapes.iter().rev().find(unclear).and_then(|shape| shape.without) {
+            return Some(without);
+        }
         let never = |finding: &&Finding| {
             let gain = self.rotation.gain(finding.effect.about().id);
             gain.is_some_and(|gain| gain.chosen_in_kind == 0)
@@ -349,8 +355,10 @@ fn told_once(selection: &Selection, named: Vec<Finding>) -> Vec<Finding> {
 /// Whether a term gains more on held-out data than chance gives.
 fn is_clear(effect: &dyn Effect, held_out: &TermGain) -> bool {
     let (gain, error) = held_out.log_likelihood;
-    // What acts between two moments shows in few blocks: their spread says nothing of it.
-    effect.ends_at().is_some() || gain > HELD_OUT_ERRORS * error || held_out.signed_rank > HELD_OUT_ERRORS
+    // What acts between two moments shows in few blocks: their spread says nothing of it. So does a swing that dies out; there
+    // the free run tells.
+    let by_blocks = gain > HELD_OUT_ERRORS * error || held_out.signed_rank > HELD_OUT_ERRORS;
+    effect.ends_at().is_some() || by_blocks || gain > 0.0 && held_out.halves
 }
 
 /// Whether a name beside a larger one is told as a remainder, `chosen` in so many of so many rotations: one that no majority chooses
@@ -365,7 +373,7 @@ fn is_minor(share: f64, [chosen, of]: [usize; 2], [clear, beyond_doubt]: [bool; 
 /// little beside it.
 fn mends(finding: &Finding, before: &[&'static dyn Effect]) -> bool {
     let class = finding.effect.class();
-    class.is_some() && before.iter().any(|e| e.class() == class) && finding.share < 1.0 - MATERIAL
+    class.is_some() && before.iter().any(|e| e.class() == class) && finding.share < MENDS
 }
 
 /// Whether a term is known by how the vehicle follows the input: what acts at its own time, and what a sensor adds, is seen without.

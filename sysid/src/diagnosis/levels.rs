@@ -14,6 +14,8 @@ pub const BEYOND_DOUBT: f64 = 5.0;
 /// Share, of the evidence and of the motion, below which a further name is told as a remainder, however certain it is. (The least share of a true second effect
 /// in the practice set is 0.05.)
 pub const WORTH_A_NAME: f64 = 0.03;
+/// Share below which a name that the data hardly tell from a larger one's class mends the form of that one.
+pub const MENDS: f64 = 0.1;
 /// Share of the motion that the baseline leaves, 1 s ahead and the noise included, below which a further name is significant where
 /// the sensors are good, and not material: where it moves the prediction by less, it is told as a remainder. (Of the amplitude
 /// it is three hundredths: what nobody sees in a picture.)

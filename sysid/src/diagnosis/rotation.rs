@@ -5,7 +5,7 @@
 //! that choose it (Meinshausen and Bühlmann, J. R. Stat. Soc. B 72, 2010). When something set in is taken from the part in which
 //! it did.
 
-use super::levels::HORIZONS_S;
+use super::levels::{HALVED, HORIZONS_S};
 use super::parts::Part;
 use super::past_alone::vaf_of_the_past_alone;
 use super::posterior::{Finding, Selection};
@@ -68,6 +68,8 @@ pub struct TermGain {
     pub signed_rank: f64,
     /// Free-run VAF, points, mean over the parts, and its standard error over them.
     pub vaf_points: (f64, f64),
+    /// Whether it leaves half of the free run's error in all parts together, or less.
+    pub halves: bool,
     /// Rotations that chose it.
     pub chosen: usize,
     /// Rotations that chose it or one of its rivals: that something of the kind is there.
@@ -170,14 +172,15 @@ pub fn rotate(
             let free = |m: usize, t: &Turned| {
                 vaf_over(problem, &problem.unpack(effects(m), &t.values), &part.places)
             };
-            let points = free(place, with) - free(finding.without.unwrap_or(place), less);
+            let vaf = [free(finding.without.unwrap_or(place), less), free(place, with)];
+            let motion = problem.data.motion(&part.places);
             let chosen = terms.contains(&finding.effect.about().id);
             let of_kind = |id: &&'static str| {
                 finding.rivals.iter().any(|(rival, ..)| rival.about().id == *id)
                     || find(id).is_some_and(|other| all_but_the_same(other, finding.effect))
             };
             let in_kind = chosen || terms.iter().any(of_kind);
-            gains.push(Turn { blocks, points, chosen, in_kind });
+            gains.push(Turn { blocks, vaf, motion, chosen, in_kind });
         }
         let others: Vec<Place> = parts
             .iter()
@@ -214,8 +217,10 @@ pub fn all_but_the_same(one: &dyn Effect, other: &dyn Effect) -> bool {
 struct Turn {
     /// Gain in 2 ln likelihood, block by block.
     blocks: Vec<f64>,
-    /// Gain in VAF of the free run, points.
-    points: f64,
+    /// VAF of the free run without it and with it, per cent.
+    vaf: [f64; 2],
+    /// Square of the motion in the part.
+    motion: f64,
     /// Whether it chose the term.
     chosen: bool,
     /// Whether it chose the term or one of its rivals.
@@ -229,12 +234,15 @@ fn term_gain(turns: &[Turn]) -> TermGain {
         (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
     };
     let blocks: Vec<f64> = turns.iter().flat_map(|t| t.blocks.iter().copied()).collect();
-    let points: Vec<f64> = turns.iter().map(|t| t.points).collect();
+    let points: Vec<f64> = turns.iter().map(|t| t.vaf[1] - t.vaf[0]).collect();
+    let error_of = |which: usize| turns.iter().map(|t| t.motion * (100.0 - t.vaf[which])).sum::<f64>();
+    let errors = [0, 1].map(error_of);
     let n = points.len().max(1) as f64;
     TermGain {
         log_likelihood: (blocks.iter().sum(), error(&blocks) * (blocks.len() as f64).sqrt()),
         signed_rank: signed_rank(&blocks),
         vaf_points: (points.iter().sum::<f64>() / n, error(&points) / n.sqrt()),
+        halves: errors[1] <= HALVED * errors[0] && errors[0] > 0.0,
         chosen: turns.iter().filter(|t| t.chosen).count(),
         chosen_in_kind: turns.iter().filter(|t| t.in_kind).count(),
     }

@@ -147,6 +147,12 @@ pub fn without_fit(reason: &str) -> impl Iterator<Item = DataCheck> + '_ {
     OF_FIT.into_iter().map(move |cause| DataCheck::cannot_tell(cause, reason))
 }
 
+/// Says of the loop what a fit tells that is not sure enough to be asked the rest.
+pub fn tell_loop(checks: &mut [DataCheck], loops: &Loops) {
+    let told = loops.check();
+    checks.iter_mut().filter(|check| check.cause == told.cause).for_each(|check| *check = told.clone());
+}
+
 /// Whether no physics may be named.
 pub fn stop(causes: &[DataCheck]) -> bool {
     causes.iter().any(DataCheck::stops)

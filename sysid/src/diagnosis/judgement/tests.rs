@@ -204,6 +204,11 @@ fn a_name_is_clear_by_what_it_gains_or_by_how_often_it_gains() {
     assert!(clear(stiff, 10.1 * limit, 10.0, 0.0) && !clear(stiff, 9.9 * limit, 10.0, 0.0));
     assert!(clear(stiff, -5.0, 10.0, limit + 0.01) && !clear(stiff, -5.0, 10.0, limit - 0.01));
     assert!(!clear(stiff, 0.0, 0.0, limit), "no more than chance");
+    let halving = |gain: f64| TermGain { log_likelihood: (gain, 10.0), halves: true, ..TermGain::default() };
+    assert!(
+        is_clear(stiff, &halving(1.0)) && !is_clear(stiff, &halving(0.0)),
+        "of a swing the free run tells"
+    );
     assert!(clear(step, -5.0, 10.0, 0.0), "what comes and goes shows in few blocks");
 }
 
@@ -228,9 +233,10 @@ fn a_small_name_of_a_larger_ones_class_mends_its_form() {
             let found = findings.into_iter().find(|finding| finding.effect.about().id == id).unwrap();
             mends(&Finding { share, ..found }, before)
         };
-        assert!(mends("servo_lag", 0.1, &[stiff, gyro]) && !mends("servo_lag", 0.1, &[stiff]));
-        assert!(!mends("servo_lag", 1.0 - MATERIAL, &[gyro]), "a fifth is not small");
-        assert!(!mends("gravity_stiffness", 0.1, &[stiff]), "of no class");
+        let small = 0.99 * MENDS;
+        assert!(mends("servo_lag", small, &[stiff, gyro]) && !mends("servo_lag", small, &[stiff]));
+        assert!(!mends("servo_lag", MENDS, &[gyro]), "a tenth is not small");
+        assert!(!mends("gravity_stiffness", small, &[stiff]), "of no class");
     });
 }
 
