@@ -81,6 +81,51 @@ fn what_stands_above_the_table_is_left_out() {
 }
 
 #[test]
+fn the_table_is_where_most_lines_are_rows_of_it() {
+    let text = rows(|t, angle, u| format!("{t:.4},{angle:.4},{u}"));
+    let settings: String = (0..300).map(|k| format!("Setting {k}: value {k}\n")).collect();
+    is_read(format!("{settings}time,angle,pwm\n{text}"), &BY_NAME);
+    // rows of another table, and columns in groups under a rule
+    is_read(format!("-0.06,1,2\n-0.04,1,3\ntime,angle,pwm\n{text}"), &BY_NAME);
+    is_read(format!("encoder,encoder,motor\n----,----,----\ntime,angle,pwm\n{text}"), &BY_NAME);
+    let text_by_tabs = rows(|t, angle, u| format!("{t:.4}\t{angle:.4}\t{u}"));
+    let preamble = "LabVIEW Measurement\t\nWriter_Version\t2\n***End_of_Header***\t\t\n";
+    is_read(format!("{preamble}X_Value\tA\tB\tComment\n{text_by_tabs}"), &BY_PLACE);
+    let oscilloscope = "Model,DPO2014\nPoints,200\n\n";
+    is_read(format!("{oscilloscope}time,angle,pwm\n{text}"), &BY_NAME);
+    is_read(format!("time,angle,pwm,\n{text}"), &BY_NAME);
+    is_read(format!("34,-0.01\n{text}"), &BY_PLACE);
+    // what is garbled among the first rows is no header
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.insert(2, "#.7,##,?");
+    lines.insert(3, "?,##,?");
+    is_read(format!("time,angle,pwm\n{}\n", lines.join("\n")), &BY_NAME);
+    let numbered = rows(|t, angle, u| format!("{:.0},{t:.4},{angle:.4},{u}", 50.0 * t));
+    is_read(format!(",0,1,2\n{numbered}"), &["t_s=c2", "theta_deg=c3", "u_norm=c4"]);
+}
+
+#[test]
+fn a_terminal_puts_the_time_before_each_line() {
+    let clock = |t: f64| format!("23:59:{:06.3}", t + 50.0);
+    let stamped = |between: &'static str| {
+        (0..ROWS)
+            .map(|k| {
+                let (t, angle, u) = (0.02 * k as f64, (0.05 * k as f64).sin(), k % 7 % 2);
+                format!("{}{between}{angle:.4},{u}\n", clock(t))
+            })
+            .collect::<String>()
+    };
+    let columns = ["t_s=clock", "theta_deg=angle", "u_norm=pwm"];
+    for between in [" -> ", " ", "\t"] {
+        let text = stamped(between);
+        let read = is_read(format!("23:59:49.900{between}angle,pwm\n{text}"), &columns);
+        assert!(says(&read, "it is the column clock"), "{:?}", read.notes);
+        is_read(format!("angle,pwm\n{text}"), &columns);
+        is_read(text, &["t_s=c1", "theta_deg=c2", "u_norm=c3"]);
+    }
+}
+
+#[test]
 fn a_number_is_a_name_and_a_row_may_have_a_label() {
     let text = rows(|t, angle, u| format!("{t:.4},{angle:.4},{u}"));
     is_read(format!("time,angle,1\n{text}"), &["t_s=time", "theta_deg=angle", "u_norm=c3"]);
@@ -104,6 +149,9 @@ fn time_may_be_the_time_of_day() {
     let clock = |t: f64| format!("{:02}:{:06.3}", (59.0 + t / 60.0) as u32 % 60, (t + 0.5) % 60.0);
     let text = rows(|t, angle, u| format!("23:{},{angle:.4},{u}", clock(t)));
     is_read(format!("time,angle,pwm\n{text}"), &BY_NAME);
+    let parts =
+        rows(|t, angle, u| format!("23:{},{:.0},{angle:.4},{u}", &clock(t)[..5], 1000.0 * (t + 0.5).fract()));
+    is_read(parts, &["t_s=c1+c2/1000", "theta_deg=c3", "u_norm=c4"]);
     let text = rows(|t, angle, u| format!("2024-05-03 23:{},{angle:.4},{u}", clock(t)));
     is_read(&text, &BY_PLACE);
 }

@@ -40,6 +40,26 @@ fn notes(recording: &Recording, kind: NoteKind) -> Vec<&str> {
 }
 
 #[test]
+fn commands_far_beyond_all_others_are_told_and_kept() {
+    let mut times = motion(&uniform(300), 1.0, 1.0);
+    let told = |text: &str| notes(&good(text), NoteKind::Wild).join("; ");
+    assert_eq!(told(&times), "");
+    for row in [40, 41, 200] {
+        let line = times.lines().nth(row).unwrap().to_owned();
+        let cells: Vec<&str> = line.split(',').collect();
+        let wild = [cells[0], "-9999", cells[2], cells[3]].join(",");
+        times = times.replacen(&line, &wild, 1);
+    }
+    let said = told(&times);
+    assert!(said.starts_with("u_rad: 3 values (line 41 to 42, 201) more than 30 times"), "{said}");
+    assert_eq!(good(&times).u.iter().filter(|u| **u == -9999.0).count(), 3);
+    // an impulse from rest
+    let impulse = motion(&uniform(300), 1.0, 1.0).replace(",0.01,", ",0,").replace(",-0.01,", ",0,");
+    let line = impulse.lines().nth(40).unwrap().to_owned();
+    assert_eq!(told(&impulse.replacen(&line, &line.replacen(",0,", ",1,", 1), 1)), "");
+}
+
+#[test]
 fn a_last_row_that_is_cut_off_is_left_out_and_told() {
     let rows: String = (0..30).map(|k| format!("{},0.0{},0.{k}\n", 0.02 * f64::from(k), 1 + k % 2)).collect();
     let rows = format!("t_s,u_rad,q_rad_s\n{rows}");

@@ -158,6 +158,9 @@ impl Search<'_, '_> {
     /// Which of all that was visited is the answer's, of those that were found.
     pub fn selection(mut self, baseline: usize, named: usize, extended: usize) -> Selection {
         let extended = self.without_needless(extended, named);
+        for place in self.with_fewer_shapes(extended) {
+            self.visit_its_class(place);
+        }
         let fullest = self.best_of_all(extended, |_| true);
         Selection { visited: self.visited, baseline, named, extended, fullest }
     }
@@ -357,6 +360,17 @@ impl Search<'_, '_> {
         if !self.problem.data.has_angle {
             self.visit_instead(place, |one, e| one.class().is_some() && one.class() == e.class());
         }
+    }
+
+    /// The models that were visited with the names of that at `place`, beside them some of its shapes or all.
+    fn with_fewer_shapes(&self, place: usize) -> Vec<usize> {
+        let fit = &self.visited[place].fit;
+        let has = |one: &Fit, e: &dyn Effect| one.position(e.about().id).is_some();
+        let fewer = |other: &Fit| {
+            other.effects.iter().all(|e| has(fit, *e))
+                && fit.effects.iter().all(|e| is_shape(*e) || e.is_background() || has(other, *e))
+        };
+        (0..self.visited.len()).filter(|&i| fewer(&self.visited[i].fit)).collect()
     }
 
     /// The model at `place` without each of its terms in turn.

@@ -5,7 +5,7 @@ use super::columns::{InputUnit, Role};
 use super::plateaus::plateaus;
 use super::rate_and_angle::rate_and_angle;
 use super::table::{Signal, Table};
-use super::{Note, NoteKind};
+use super::{Note, NoteKind, missing};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -21,6 +21,10 @@ const COMPARED_OVER: f64 = 0.2;
 const CORRELATED: f64 = 0.7;
 /// Degrees per radian.
 const DEGREES: f64 = 180.0 / PI;
+/// How far beyond all others a few commands are no commands, but what a logger writes for nothing, or a lost decimal point.
+const FAR_BEYOND: f64 = 30.0;
+/// Share of the rows that are a few.
+const FEW: f64 = 0.01;
 /// Share of exact repetitions that is worth a word.
 const REPEATED: f64 = 0.02;
 
@@ -30,6 +34,7 @@ pub(super) fn inspect(table: &Table, grid: &Grid, in_turns: bool, notes: &mut Ve
     let (q, theta) = (of(Role::Q), of(Role::Theta));
     if let Some(input) = table.signals.iter().find(|s| s.source.role.is_input()) {
         check_input(input, grid, notes);
+        check_far_beyond(table, input, notes);
     }
     for output in [q, theta].into_iter().flatten() {
         if is_constant(&output.values) {
@@ -83,6 +88,29 @@ fn check_input(input: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
     } else if input.source.role == Role::Input(InputUnit::Rad) {
         check_size(Some(input), grid, LARGEST_BLADE_PITCH, "rad", notes);
     }
+}
+
+/// A few commands far beyond all others. They are not left out: a blow with a hammer looks the same.
+fn check_far_beyond(table: &Table, input: &Signal, notes: &mut Vec<Note>) {
+    let mut by_size: Vec<usize> = (0..input.values.len()).collect();
+    let size = |row: &usize| input.values[*row].abs();
+    by_size.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
+    let few = (FEW * by_size.len() as f64) as usize;
+    let beyond = |count: &usize| size(&by_size[count - 1]) > FAR_BEYOND * size(&by_size[*count]);
+    let Some(count) = (1..=few).rev().filter(|count| size(&by_size[*count]) > 0.0).find(beyond) else {
+        return;
+    };
+    let mut rows = by_size[..count].to_vec();
+    rows.sort_unstable();
+    let (first, last) = (rows[0], rows[count - 1]);
+    let text = format!(
+        "{}: {} ({}) more than {FAR_BEYOND} times as large as any other, used as it is: where nothing was measured there, or a decimal \
+         point was lost, empty the cells and run again",
+        column(input),
+        counted(count, "value"),
+        missing::lines(&table.lines, &rows)
+    );
+    notes.push(Note::over(NoteKind::Wild, table.t[first], table.t[last], text));
 }
 
 /// Values too large for radians, but for a column that says degrees and was converted, and for what would be several turns in

@@ -2,17 +2,25 @@
 
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
-use super::{missing, sniff};
+use super::{missing, sniff, wall_clock};
 use crate::error::{Error, ErrorKind, quote};
 
 /// In place of a separator: runs of blanks.
 pub(super) const BLANKS: u8 = b' ';
 
+/// How a line is split.
+#[derive(Clone, Copy)]
+pub(super) struct Form {
+    pub(super) separator: u8,
+    /// Whether lines begin with a time of day that a terminal has put before them.
+    pub(super) stamped: bool,
+}
+
 /// Splits one line into fields; the buffers are kept from line to line.
 pub(super) struct Splitter {
     reader: Reader,
-    pub(super) separator: u8,
-    /// The line with one blank for each run of them.
+    pub(super) form: Form,
+    /// The line with one separator where a terminal or a run of blanks has another.
     squeezed: String,
     bytes: Vec<u8>,
     ends: Vec<usize>,
@@ -20,24 +28,26 @@ pub(super) struct Splitter {
 }
 
 impl Splitter {
-    pub(super) fn new(separator: u8) -> Self {
-        let reader = ReaderBuilder::new().delimiter(separator).build();
+    pub(super) fn new(form: Form) -> Self {
+        let reader = ReaderBuilder::new().delimiter(form.separator).build();
         let (squeezed, bytes, ends) = (String::new(), vec![0; 4096], vec![0; 256]);
-        Self { reader, separator, squeezed, bytes, ends, fields: 0 }
+        Self { reader, form, squeezed, bytes, ends, fields: 0 }
     }
 
     /// Splits `line` (without its line end) at the separators, quotes removed.
     pub(super) fn split(&mut self, line: &str) -> Result<(), Error> {
-        if self.separator == BLANKS {
-            self.squeezed.clear();
-            for word in line.split_whitespace() {
-                if !self.squeezed.is_empty() {
-                    self.squeezed.push(' ');
-                }
-                self.squeezed.push_str(word);
-            }
+        let separator = char::from(self.form.separator);
+        let stamp = if self.form.stamped { stamped(line) } else { None };
+        let (stamp, rest) = stamp.map_or((None, line), |(stamp, rest)| (Some(stamp), rest));
+        let blanks = self.form.separator == BLANKS;
+        self.squeezed.clear();
+        let words = stamp.into_iter().chain(rest.split_whitespace().filter(|_| blanks));
+        let parts = words.chain((!blanks && stamp.is_some()).then_some(rest));
+        for (i, part) in parts.enumerate() {
+            self.squeezed.extend((i > 0).then_some(separator));
+            self.squeezed.push_str(part);
         }
-        let line = if self.separator == BLANKS { &self.squeezed } else { line };
+        let line = if blanks || stamp.is_some() { &self.squeezed } else { line };
         self.reader.reset();
         self.fields = 0;
         let (mut input, mut written, mut closed) = (line.as_bytes(), 0, false);
@@ -73,7 +83,7 @@ impl Splitter {
     /// a decimal one.
     pub(super) fn number(&self, index: usize, column: &str) -> Result<f64, Error> {
         let cell = self.field(index);
-        if self.separator != b',' && cell.bytes().filter(|&byte| byte == b',').count() == 1 {
+        if self.form.separator != b',' && cell.bytes().filter(|&byte| byte == b',').count() == 1 {
             return number(&cell.replace(',', "."), cell, column);
         }
         number(cell, cell, column)
@@ -83,6 +93,19 @@ impl Splitter {
     pub(super) fn has_width(&self, fields: usize) -> bool {
         self.fields == fields || self.fields == fields + 1 && self.field(fields).is_empty()
     }
+}
+
+/// The time of day that a terminal has put before a line, and the line: `12:34:56.789 -> 1,2`, or a blank between.
+pub(super) fn stamped(line: &str) -> Option<(&str, &str)> {
+    let is_stamp = |stamp: &str| wall_clock::seconds(stamp).is_some();
+    if let Some((stamp, rest)) = line.split_once(" -> ") {
+        return is_stamp(stamp.trim()).then_some((stamp.trim(), rest));
+    }
+    let mut blanks = line.match_indices([' ', '\t']).take(2);
+    blanks.find_map(|(at, _)| {
+        let (stamp, rest) = (&line[..at], &line[at + 1..]);
+        (rest.contains([',', ';']) && is_stamp(stamp)).then_some((stamp, rest))
+    })
 }
 
 /// The lines that carry data or the header, with their numbers from 1; comments and blank lines are left out.

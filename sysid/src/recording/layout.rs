@@ -1,13 +1,17 @@
 //! Where the names of a text file's columns stand, what separates the columns, and where the rows begin.
 
 use super::assign::{Source, assign};
-use super::fields::{BLANKS, Splitter, content_lines, is_comment, numbered_lines};
+use super::fields::{BLANKS, Form, Splitter, content_lines, is_comment, numbered_lines, stamped};
 use super::options::ReadOptions;
 use super::{Note, NoteKind, missing, sniff, wall_clock};
 use crate::error::{Error, ErrorKind, quote};
 
 /// Lines in which the first row is looked for.
-const HEAD: usize = 100;
+const HEAD: usize = 1000;
+/// Lines below it by which it is judged.
+const BELOW: usize = 20;
+/// Share of them that are rows like it.
+const MOST: f64 = 0.75;
 
 /// How the lines of a file make a table.
 pub(super) struct Layout<'t> {
@@ -25,8 +29,8 @@ pub(super) struct Layout<'t> {
 }
 
 impl<'t> Layout<'t> {
-    /// Finds the first row: a line of as many fields as the next, with a number over a number and no text over one. The names are the
-    /// first line, or where that has not as many fields the nearest lines above the row that do, or a comment right above it that does.
+    /// Finds the first row ([`Rows`]). The names are in the nearest lines above it that have as many fields, or in a comment right
+    /// above it; in the first line where nothing but rows stands between.
     pub(super) fn read(text: &'t str) -> Result<Self, Error> {
         let head: Vec<(usize, &str)> = content_lines(text).take(HEAD).collect();
         let Some(&first) = head.first() else {
@@ -34,67 +38,65 @@ impl<'t> Layout<'t> {
             return Err(Error::new(ErrorKind::Format, "only comments and blank lines", advice)
                 .expecting("a header line and one line per sample"));
         };
-        let below = head.get(1).map_or("", |(_, line)| *line);
-        let found = head.windows(2).enumerate().find_map(|(place, pair)| {
-            let separator = sniff::separator(pair[0].1, pair[1].1);
-            let [fields, below] = [pair[0].1, pair[1].1].map(|line| Fields::of(line, separator));
-            fields?.begins_rows(&below?).then_some((place, separator))
-        });
-        let (row, separator) = found.unwrap_or_else(|| {
-            let separator = sniff::separator(first.1, below);
-            let is_row = Fields::of(first.1, separator).is_some_and(|fields| fields.are_numbers());
-            (usize::from(!is_row), separator)
-        });
-        let splitter = Splitter::new(separator);
-        let Some(width) = head.get(row).and_then(|(_, line)| Fields::of(line, separator)).map(|f| f.0.len())
-        else {
-            return Self::with_names_in(&head, 0, 1, splitter);
+        let Some(rows) = (0..head.len()).find_map(|place| Rows::at(&head, place)) else {
+            let below = head.get(1).map_or("", |(_, line)| *line);
+            let form = Form { separator: sniff::separator(first.1, below), stamped: false };
+            let fields = Fields::of(first.1, form).filter(Fields::are_numbers);
+            return match fields {
+                Some(fields) => Ok(Self::by_place(&head, 0, fields.0.len(), form)),
+                None => Self::with_names_in(&head, 0, 1, form),
+            };
         };
-        let ends_empty =
-            Fields::of(head[row].1, separator).is_some_and(|f| f.0.last().is_some_and(String::is_empty));
-        let has_width = |f: &Fields| f.0.len() == width || ends_empty && f.0.len() + 1 == width;
-        let of_width = |line: &str| Fields::of(line, separator).filter(has_width);
-        let comment = || {
-            let above = numbered_lines(text).take_while(|(number, _)| *number < head[row].0).last();
-            let (number, line) = above.filter(|(_, line)| is_comment(line))?;
-            let line = line.trim_start_matches(['#', '%', ' ']);
-            of_width(line).filter(Fields::have_no_number).map(|fields| (number, line, fields))
+        let Rows { first: row, form, width } = rows;
+        if let Some(place) = rows.names_above(&head) {
+            return Self::with_names_in(&head, place, row, form);
+        }
+        let comment = numbered_lines(text).take_while(|(number, _)| *number < head[row].0).last();
+        let comment = comment.filter(|(_, line)| is_comment(line));
+        let comment = comment.map(|(number, line)| (number, line.trim_start_matches(['#', '%', ' '])));
+        if let Some((number, line)) = comment
+            && let Some(names) = rows.names(line)
+        {
+            let mut layout = Self::by_place(&head, row, width, form);
+            (layout.names, layout.names_stand) = (names, Some((number, line)));
+            return Ok(layout);
+        }
+        // a header of another width, below which nothing but rows stands, is told against every row
+        let has_number =
+            |(_, line): &(usize, &str)| Fields::of(line, form).is_some_and(|f| !f.have_no_number());
+        let is_header = |line: &str| {
+            form.separator != BLANKS
+                && Fields::of(line, form).is_some_and(|f| f.0.len() > 1 && !f.are_numbers())
         };
-        let above = (0..row).rev().take_while(|&place| of_width(head[place].1).is_some()).last();
-        let is_preamble = |line: &str| {
-            separator == BLANKS || Fields::of(line, separator).is_some_and(|fields| fields.0.len() == 1)
-        };
-        match above {
-            Some(0) => Self::with_names_in(&head, 0, row, splitter),
-            Some(top) => {
-                let bare = |&place: &usize| of_width(head[place].1).is_some_and(|f| f.have_no_number());
-                let names = (top..row).find(bare).unwrap_or(0);
-                Self::with_names_in(&head, names, row, splitter)
-            }
-            None if row > 0 && !is_preamble(first.1) => Self::with_names_in(&head, 0, row, splitter),
-            None => {
-                let named = comment();
-                let names_stand = named.as_ref().map(|(number, line, _)| (*number, *line));
-                let by_place = || (1..=width).map(|place| format!("c{place}")).collect();
-                let names = named.map_or_else(by_place, |(.., fields)| fields.0);
-                let (unread, rows_from) = (head[..row].to_vec(), head[row].0);
-                Ok(Self { splitter, names, names_stand, rows_from, unread, first })
-            }
+        if row > 0 && is_header(first.1) && head[1..row].iter().all(has_number) {
+            return Self::with_names_in(&head, 0, row, form);
+        }
+        let counted = Fields::of(head[row].1, form).is_some_and(|fields| fields.count_up());
+        Ok(Self::by_place(&head, row + usize::from(counted), width, form))
+    }
+
+    /// Columns called by their places, rows at `row` of the first lines.
+    fn by_place(head: &[(usize, &'t str)], row: usize, width: usize, form: Form) -> Self {
+        Self {
+            splitter: Splitter::new(form),
+            names: (1..=width).map(|place| format!("c{place}")).collect(),
+            names_stand: None,
+            rows_from: head[row].0,
+            unread: head[..row].to_vec(),
+            first: head[0],
         }
     }
 
     /// The names in the line at `place` of the first lines, rows at the first below it with a number, no later than at `row`.
-    fn with_names_in(
-        head: &[(usize, &'t str)],
-        place: usize,
-        row: usize,
-        mut splitter: Splitter,
-    ) -> Result<Self, Error> {
+    fn with_names_in(head: &[(usize, &'t str)], place: usize, row: usize, form: Form) -> Result<Self, Error> {
         let (line, text) = head[place];
+        let mut splitter = Splitter::new(form);
         splitter.split(text).map_err(|error: Error| error.at_line(line))?;
-        let names = (0..splitter.fields).map(|i| splitter.field(i).to_owned()).collect();
+        let width = head.get(row).and_then(|(_, line)| Fields::of(line, form)).map(|fields| fields.0.len());
+        let names = Rows { first: row, form, width: width.unwrap_or(splitter.fields) }.names(text);
+        let names = names.unwrap_or_else(|| Fields::in_splitter(&splitter).0);
         let has_number = |&at: &usize| {
-            let fields = head.get(at).and_then(|(_, line)| Fields::of(line, splitter.separator));
+            let fields = head.get(at).and_then(|(_, line)| Fields::of(line, form));
             fields.is_none_or(|fields| !fields.have_no_number())
         };
         let row = (place + 1..row).find(has_number).unwrap_or(row);
@@ -147,10 +149,15 @@ impl<'t> Layout<'t> {
             let text = format!("line {first} is not of the table: {}{more}", quote(text));
             notes.push(Note::new(NoteKind::Ignored, text));
         }
-        if self.splitter.separator == BLANKS {
+        let Form { separator, stamped } = self.splitter.form;
+        if stamped {
+            let text = "each line begins with a time of day: it is the column clock";
+            notes.push(Note::new(NoteKind::Converted, text));
+        }
+        if separator == BLANKS {
             notes.push(Note::new(NoteKind::Converted, "columns separated by blanks"));
-        } else if self.splitter.separator != b',' {
-            let by = if self.splitter.separator == b';' { "semicolons" } else { "tabs" };
+        } else if separator != b',' {
+            let by = if separator == b';' { "semicolons" } else { "tabs" };
             let text = format!("columns separated by {by}: a comma in a number is a decimal one");
             notes.push(Note::new(NoteKind::Converted, text));
         }
@@ -158,14 +165,94 @@ impl<'t> Layout<'t> {
     }
 }
 
+/// The rows of a table: where the first is, and how they are split.
+struct Rows {
+    /// Its place among the first lines.
+    first: usize,
+    form: Form,
+    width: usize,
+}
+
+impl Rows {
+    /// Whether the line at `place` is the first row: one of as many fields as the next, with a number over a number and no text over
+    /// one, most of the lines below like it; where no names stand above it, none stand among those.
+    fn at(head: &[(usize, &str)], place: usize) -> Option<Self> {
+        let (line, below) = (head[place].1, head.get(place + 1)?.1);
+        let is_stamped = stamped(line).is_some() && stamped(below).is_some();
+        let bare = |line| if is_stamped { stamped(line).map_or(line, |(_, rest)| rest) } else { line };
+        let form = Form { separator: sniff::separator(bare(line), bare(below)), stamped: is_stamped };
+        let row = Fields::of(line, form)?;
+        if !row.begins_rows(&Fields::of(below, form)?) {
+            return None;
+        }
+        let rows = Self { first: place, form, width: row.0.len() };
+        let below = &head[place + 1..head.len().min(place + 1 + BELOW)];
+        let like =
+            below.iter().filter(|(_, line)| Fields::of(line, form).is_some_and(|f| row.is_like(&f))).count();
+        let names_below = || below.iter().any(|(_, line)| rows.names(line).is_some());
+        let is_table = like as f64 >= MOST * below.len() as f64;
+        (is_table && (rows.names_above(head).is_some() || !names_below())).then_some(rows)
+    }
+
+    /// The line with the names: of the lines right above that have as many fields the first whose names are all there and differ, or
+    /// the first of them; where each has a number, the uppermost if it is the file's first, or else the one above the rows.
+    fn names_above(&self, head: &[(usize, &str)]) -> Option<usize> {
+        let is_rule = |line: &str| !line.contains(char::is_alphanumeric);
+        let fits = |&place: &usize| is_rule(head[place].1) || self.has_width(head[place].1);
+        let top = (0..self.first).rev().take_while(fits).last()?;
+        let named = |&place: &usize| self.names(head[place].1).is_some() && !is_rule(head[place].1);
+        let differ = |place: &usize| {
+            let names = self.names(head[*place].1).unwrap_or_default();
+            named(place)
+                && !names.iter().enumerate().any(|(i, name)| name.is_empty() || names[..i].contains(name))
+        };
+        let names = (top..self.first).find(differ).or_else(|| (top..self.first).find(named));
+        match names {
+            Some(place) => Some(place),
+            None if top == 0 => Some(0).filter(|_| self.has_text(head[0].1)),
+            None => Some(self.first - 1).filter(|&place| self.has_text(head[place].1)),
+        }
+    }
+
+    fn has_width(&self, line: &str) -> bool {
+        self.fields(line).is_some()
+    }
+
+    fn has_text(&self, line: &str) -> bool {
+        Fields::of(line, self.form).is_some_and(|fields| !fields.are_numbers())
+    }
+
+    /// The fields of a line that has as many as the rows, or an empty one more or less at its end; before them what names the stamps.
+    fn fields(&self, line: &str) -> Option<Vec<String>> {
+        let bare = if self.form.stamped { stamped(line).map_or(line, |(_, rest)| rest) } else { line };
+        let mut fields = Fields::of(bare, Form { stamped: false, ..self.form })?.0;
+        if self.form.stamped {
+            fields.insert(0, "clock".into());
+        }
+        if fields.len() == self.width + 1 && fields.last().is_some_and(String::is_empty) {
+            fields.pop();
+        }
+        (fields.len() == self.width).then_some(fields)
+    }
+
+    /// The same of a line that has no number.
+    fn names(&self, line: &str) -> Option<Vec<String>> {
+        self.fields(line).filter(|fields| !fields.iter().any(|field| is_number(field)))
+    }
+}
+
 /// What stands in a line.
 struct Fields(Vec<String>);
 
 impl Fields {
-    fn of(line: &str, separator: u8) -> Option<Self> {
-        let mut splitter = Splitter::new(separator);
+    fn of(line: &str, form: Form) -> Option<Self> {
+        let mut splitter = Splitter::new(form);
         splitter.split(line).ok()?;
-        Some(Self((0..splitter.fields).map(|i| splitter.field(i).to_owned()).collect()))
+        Some(Self::in_splitter(&splitter))
+    }
+
+    fn in_splitter(splitter: &Splitter) -> Self {
+        Self((0..splitter.fields).map(|i| splitter.field(i).to_owned()).collect())
     }
 
     /// Whether this is a row over another: as many fields, a number over a number, no text over one.
@@ -177,12 +264,26 @@ impl Fields {
                 .all(|(above, below)| is_number(above) || missing::is_missing(above) || !is_number(below))
     }
 
+    /// Whether another is as wide and has a number, or none, where this has one.
+    fn is_like(&self, other: &Self) -> bool {
+        let fits = |(own, other): (&String, &String)| {
+            !is_number(own) || is_number(other) || missing::is_missing(other)
+        };
+        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(fits)
+    }
+
     fn are_numbers(&self) -> bool {
         !self.have_no_number() && self.0.iter().all(|field| is_number(field) || missing::is_missing(field))
     }
 
     fn have_no_number(&self) -> bool {
         !self.0.iter().any(|field| is_number(field))
+    }
+
+    /// Whether they are 0, 1, 2, ...: what a table without names of its own is given, before them maybe an empty one for the index.
+    fn count_up(&self) -> bool {
+        let fields = if self.0.first().is_some_and(String::is_empty) { &self.0[1..] } else { &self.0[..] };
+        fields.len() > 2 && fields.iter().enumerate().all(|(i, field)| *field == i.to_string())
     }
 }
 

@@ -119,7 +119,7 @@ pub(super) fn number_advice(cell: &str) -> &'static str {
     if cell.split_once(',').is_some_and(|(whole, part)| digits(whole) && digits(part)) {
         "write decimals with a point"
     } else if cell.contains(':') {
-        "write time as seconds, e.g. 12.34, not as a clock"
+        "write time as seconds, e.g. 12.34, or as 12:34:56.789 or 2024-05-03T12:34:56.789"
     } else {
         "correct the cell, empty it (then it is a gap), or delete the row; units belong in the header"
     }

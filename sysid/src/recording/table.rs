@@ -198,19 +198,19 @@ impl Filler {
     /// The row at `place` among those that were logged, in this line.
     fn push(&mut self, row: &Splitter, place: usize, line: usize, wrong: &mut Wrong) {
         let table = &mut self.table;
-        let stamp = cell(row, &table.time);
         if place == 0 {
-            self.of_day = wall_clock::seconds(stamp).is_some();
+            let mut stamps = table.time.places.iter().filter(|&&place| place < row.fields);
+            self.of_day = stamps.any(|&place| wall_clock::seconds(row.field(place)).is_some());
         }
-        let of_day = if self.of_day { wall_clock::seconds(stamp) } else { None };
-        let mut take = |source: &Source, largest| match value(row, place, &self.header, source, largest) {
+        let cells = Row { fields: row, place, header: &self.header, of_day: self.of_day };
+        let mut take = |source: &Source, largest| match cells.value(source, largest) {
             Ok(value) => value,
             Err(error) => {
                 wrong.add(error, line);
                 f64::NAN
             }
         };
-        table.t.push(of_day.unwrap_or_else(|| take(&table.time, LARGEST_TIME)));
+        table.t.push(take(&table.time, LARGEST_TIME));
         for signal in &mut table.signals {
             signal.values.push(take(&signal.source, LARGEST_VALUE));
         }
@@ -255,40 +255,52 @@ fn cell<'r>(row: &'r Splitter, source: &Source) -> &'r str {
     source.places.first().filter(|&&place| place < row.fields).map_or("", |&place| row.field(place))
 }
 
-/// What the expression of `source` gives in this row, which is the one at `place`, in SI units; NaN where a cell is missing or it
-/// divides by zero.
-fn value(
-    row: &Splitter,
+/// The cells of one row.
+struct Row<'r> {
+    fields: &'r Splitter,
+    /// Among the rows that were logged.
     place: usize,
-    header: &[String],
-    source: &Source,
-    largest: f64,
-) -> Result<f64, Error> {
-    let name = |column: usize| header.get(column).map_or(ROW, String::as_str);
-    let number = |column: usize| match column < header.len() {
-        true => row.number(column, name(column)),
-        false => Ok(place as f64),
-    };
-    let beyond = |found: String, column: &str| {
-        let found = format!("{found}, beyond any measurement in this unit (±{largest:e})");
-        let advice = "look for a broken logger or a wrong unit; correct the cell or delete the row";
-        Err(Error::new(ErrorKind::Value, found, advice).in_column(column).expecting("a finite number"))
-    };
-    if let [column] = source.places[..]
-        && source.expression.as_column().is_some()
-    {
-        let raw = number(column)?;
-        let value = source.factor * raw;
-        let fits = value.is_nan() || value.abs() <= largest;
-        let found = || if column < header.len() { quote(row.field(column)) } else { raw.to_string() };
-        return if fits { Ok(value) } else { beyond(format!("found {}", found()), name(column)) };
-    }
-    let cells = source.places.iter().map(|&column| number(column));
-    let value = source.factor * source.expression.value(&cells.collect::<Result<Vec<f64>, Error>>()?);
-    match value {
-        _ if value.abs() <= largest => Ok(value),
-        _ if !value.is_finite() => Ok(f64::NAN),
-        _ => beyond(format!("{} gives {value}", source.name), source.role.column()),
+    header: &'r [String],
+    /// Whether time stands as the time of day.
+    of_day: bool,
+}
+
+impl Row<'_> {
+    /// What the expression of `source` gives, in SI units; NaN where a cell is missing or it divides by zero.
+    fn value(&self, source: &Source, largest: f64) -> Result<f64, Error> {
+        let header = self.header;
+        let name = |column: usize| header.get(column).map_or(ROW, String::as_str);
+        let clock = |column: usize| {
+            let reads = self.of_day && source.role == Role::Time;
+            reads.then(|| wall_clock::seconds(self.fields.field(column))).flatten()
+        };
+        let number = |column: usize| match column < header.len() {
+            true => clock(column).map_or_else(|| self.fields.number(column, name(column)), Ok),
+            false => Ok(self.place as f64),
+        };
+        let beyond = |found: String, column: &str| {
+            let found = format!("{found}, beyond any measurement in this unit (±{largest:e})");
+            let advice = "look for a broken logger or a wrong unit; correct the cell or delete the row";
+            Err(Error::new(ErrorKind::Value, found, advice).in_column(column).expecting("a finite number"))
+        };
+        if let [column] = source.places[..]
+            && source.expression.as_column().is_some()
+        {
+            let raw = number(column)?;
+            let value = source.factor * raw;
+            let fits = value.is_nan() || value.abs() <= largest;
+            let found = || {
+                if column < header.len() { quote(self.fields.field(column)) } else { raw.to_string() }
+            };
+            return if fits { Ok(value) } else { beyond(format!("found {}", found()), name(column)) };
+        }
+        let cells = source.places.iter().map(|&column| number(column));
+        let value = source.factor * source.expression.value(&cells.collect::<Result<Vec<f64>, Error>>()?);
+        match value {
+            _ if value.abs() <= largest => Ok(value),
+            _ if !value.is_finite() => Ok(f64::NAN),
+            _ => beyond(format!("{} gives {value}", source.name), source.role.column()),
+        }
     }
 }
 

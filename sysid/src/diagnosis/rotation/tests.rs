@@ -141,9 +141,14 @@ fn what_the_predictor_errs_while_it_settles_is_no_terms_loss() {
 
 #[test]
 fn a_terms_gain_is_summed_over_blocks_and_averaged_over_parts() {
-    let turn =
-        |blocks: [f64; 2], points, chosen| Turn { blocks: blocks.into(), points, chosen, in_kind: true };
-    let turns = [turn([1.0, 3.0], 2.0, true), turn([5.0, 7.0], 6.0, false)];
+    let turn = |blocks: [f64; 2], vaf, motion, chosen| Turn {
+        blocks: blocks.into(),
+        vaf,
+        motion,
+        chosen,
+        in_kind: true,
+    };
+    let turns = [turn([1.0, 3.0], [90.0, 92.0], 1.0, true), turn([5.0, 7.0], [80.0, 86.0], 1.0, false)];
     let gain = term_gain(&turns);
     // Sample deviation of 1, 3, 5, 7 is √(20/3), of 2, 6 it is √8.
     assert!((gain.log_likelihood.0 - 16.0).abs() < 1e-12);
@@ -151,8 +156,15 @@ fn a_terms_gain_is_summed_over_blocks_and_averaged_over_parts() {
     assert!((gain.vaf_points.0 - 4.0).abs() < 1e-12 && (gain.vaf_points.1 - 2.0).abs() < 1e-12);
     assert_eq!((gain.chosen, gain.chosen_in_kind), (1, 2));
     assert!((gain.signed_rank - 10.0 / 30.0_f64.sqrt()).abs() < 1e-12);
+    // of 10 and 20 points 8 and 14 are left, which is more than half; of a part that moves a hundred times as much, 40 of 90
+    assert!(!gain.halves);
+    let moving = turn([5.0, 7.0], [10.0, 60.0], 100.0, false);
+    assert!(term_gain(&[turn([1.0, 3.0], [90.0, 80.0], 1.0, true), moving]).halves);
     let none = term_gain(&[]);
-    assert_eq!((none.log_likelihood, none.vaf_points, none.chosen), ((0.0, 0.0), (0.0, 0.0), 0));
+    assert_eq!(
+        (none.log_likelihood, none.vaf_points, none.chosen, none.halves),
+        ((0.0, 0.0), (0.0, 0.0), 0, false)
+    );
 }
 
 #[test]
