@@ -319,13 +319,28 @@ fn a_name_that_turns_its_sign_without_the_shapes_is_told_as_what_is_left() {
             assert!(fit.minimum.values[stiffness] > 1.0);
             fit.minimum.values[stiffness] *= factor;
         };
-        let flown = flight_with(1, |_, _, theta| -2.0 * theta.sin());
+        let flown = flight_with(1, |_, q, theta| -2.0 * theta.sin() - 4.0 * q * q.abs());
         judged_of(&flown, std::slice::from_ref(&set), false, change, |judgement| {
             (ids(&judgement.named), ids(&judgement.small), judgement.names_alone.is_some())
         })
     };
     assert_eq!(judged(1.0), (vec!["gravity_stiffness"], Vec::new(), true));
     assert_eq!(judged(-0.1), (Vec::new(), vec!["gravity_stiffness"], false));
+}
+
+#[test]
+fn a_shape_that_held_out_data_do_not_show_is_none() {
+    let shape = *SHAPES.iter().find(|shape| shape.about().id == "of_q").unwrap();
+    let stiff = effects(&["gravity_stiffness"])[0];
+    let judged = |drag: f64| {
+        let flown = flight_with(1, |_, q, theta| -2.0 * theta.sin() - drag * q * q.abs());
+        let sets = [vec![stiff], vec![stiff, shape]];
+        judged_of(&flown, &sets, false, |models| models.extended = 2, |judgement| {
+            (ids(&judgement.named), ids(&judgement.shapes))
+        })
+    };
+    assert_eq!(judged(4.0), (vec!["gravity_stiffness"], vec!["of_q"]));
+    assert_eq!(judged(0.0), (vec!["gravity_stiffness"], Vec::new()));
 }
 
 #[test]
