@@ -19,8 +19,12 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
     let unknown = vec![f64::INFINITY; values.len()];
     let deviations = information.map_or(unknown, |information| information.deviations(values));
     let searched = problem.noise_range().end;
-    let deviations =
-        deviations.into_iter().enumerate().map(|(i, d)| if i < searched { d } else { SEARCHED * d });
+    // A damping of none, or no delay, is as near to the bound as the data say.
+    let at_bound = |i: usize| information.and_then(|information| information.deviation_at_bound(i, values));
+    let deviations = deviations.into_iter().enumerate().map(|(i, d)| match i < searched {
+        true => at_bound(i).unwrap_or(d),
+        false => SEARCHED * d,
+    });
     let with_deviation = coordinates.iter().zip(values).zip(deviations);
     let mut all: Vec<Estimate> = with_deviation
         .map(|((c, &value), deviation)| Estimate::new(&c.name, &c.unit, value, deviation, c.bounds))
@@ -108,7 +112,8 @@ mod tests {
             let (values, coordinates) = (&fit.minimum.values, problem.coordinates(&fit.effects));
             for (i, deviation) in information.deviations(values).into_iter().enumerate().take(first + 1) {
                 let Coordinate { name, unit, bounds, .. } = &coordinates[i];
-                let deviation = if i < first { deviation } else { SEARCHED * deviation };
+                let at_bound = information.deviation_at_bound(i, values);
+                let deviation = if i < first { at_bound.unwrap_or(deviation) } else { SEARCHED * deviation };
                 assert_eq!(all[i], Estimate::new(name, unit, values[i], deviation, *bounds));
             }
             let [size, begin, end] = [&all[first], &all[first + 1], &all[first + 2]];
@@ -124,6 +129,16 @@ mod tests {
             alone.minimum.values[first + 1] += 1e3;
             reach(problem, &mut late, fit, &alone);
             assert_eq!(late[first + 1].ci95, [begin.ci95[0], coordinates[first + 1].bounds[1] + 100.0]);
+        });
+    }
+
+    #[test]
+    fn what_stands_at_its_bound_is_near_to_it() {
+        // a push along the motion: no damping fits best
+        asked(&flight_with(1, |_, q, _| 0.29 * q), |problem, fit| {
+            let damping = estimates_of(problem, fit).into_iter().find(|e| e.name == "dM_dq").unwrap();
+            assert!(damping.value > -1e-6 && damping.ci95[1] == 0.0, "{damping:?}");
+            assert!(damping.ci95[0] > -5.0 && damping.ci95[0] < damping.value, "{damping:?}");
         });
     }
 

@@ -51,6 +51,8 @@ pub struct Information {
     /// V.
     by_blocks: DMatrix<f64>,
     blocks: usize,
+    /// Those that stand at a bound, and their standard deviation, the free ones following.
+    at_bound: Vec<(usize, f64)>,
     /// What each part of the data contributes.
     parts: Vec<Part>,
     coordinates: Vec<Coordinate>,
@@ -154,6 +156,17 @@ impl Information {
             }
         }
         let covariance = factor(&whole.hessian)?.inverse();
+        // with the curvature that a step away from the bound shows
+        let at_bound = (0..slopes.len()).filter(|i| !moves(i)).filter_map(|i| {
+            let product = |j: usize| -> f64 {
+                let pairs = slopes[i].iter().zip(&slopes[j]);
+                pairs.map(|(a, b)| inner(a, &weigh(&weight, b))).sum()
+            };
+            let across = DVector::from_fn(n, |a, _| product(free[a]));
+            let left = product(i) - across.dot(&(&covariance * &across));
+            (left > 0.0).then(|| (i, left.sqrt().recip()))
+        });
+        let at_bound: Vec<(usize, f64)> = at_bound.collect();
         let by_blocks = &covariance * by_blocks * &covariance;
         Some(Self {
             free,
@@ -163,6 +176,7 @@ impl Information {
             covariance,
             by_blocks,
             blocks,
+            at_bound,
             parts: of_parts,
             coordinates,
         })
@@ -201,6 +215,13 @@ impl Information {
         let ranges = places.iter().map(|&a| width(&self.coordinates[self.free[a]]).ln()).sum::<f64>();
         let posterior = 0.5 * (p as f64 * (std::f64::consts::TAU * divisor).ln() + log_determinant);
         Some((posterior - ranges).min(0.0))
+    }
+
+    /// Standard deviation of the unknown at `place` where it stands at a bound, in its own unit: what the curvature there gives, which
+    /// is too large where the criterion rises from the bound. `None` where it does not stand at one, or nothing depends on it.
+    pub fn deviation_at_bound(&self, place: usize, values: &[f64]) -> Option<f64> {
+        let (_, deviation) = self.at_bound.iter().find(|(i, _)| *i == place)?;
+        Some(deviation * self.coordinates[place].stretch(values[place]))
     }
 
     /// Standard deviation of every unknown in its own unit: the larger of that of the information and of the blocks;

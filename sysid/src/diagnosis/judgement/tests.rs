@@ -335,9 +335,13 @@ fn a_shape_that_held_out_data_do_not_show_is_none() {
     let judged = |drag: f64| {
         let flown = flight_with(1, |_, q, theta| -2.0 * theta.sin() - drag * q * q.abs());
         let sets = [vec![stiff], vec![stiff, shape]];
-        judged_of(&flown, &sets, false, |models| models.extended = 2, |judgement| {
-            (ids(&judgement.named), ids(&judgement.shapes))
-        })
+        judged_of(
+            &flown,
+            &sets,
+            false,
+            |models| models.extended = 2,
+            |judgement| (ids(&judgement.named), ids(&judgement.shapes)),
+        )
     };
     assert_eq!(judged(4.0), (vec!["gravity_stiffness"], vec!["of_q"]));
     assert_eq!(judged(0.0), (vec!["gravity_stiffness"], Vec::new()));
