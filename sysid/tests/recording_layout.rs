@@ -105,6 +105,30 @@ fn the_table_is_where_most_lines_are_rows_of_it() {
 }
 
 #[test]
+fn a_row_without_any_number_is_no_header() {
+    for missing in [",,", "nan,nan,nan"] {
+        let text = rows(|t, angle, u| format!("{t:.4},{angle:.4},{u}"));
+        let mut lines: Vec<&str> = text.lines().collect();
+        lines.insert(15, missing);
+        is_read(lines.join("\n") + "\n", &BY_PLACE);
+    }
+    // as many of them as rows, and time that is linear in these
+    let sparse = rows(|t, angle, u| format!("{t:.4},{angle:.4},{u}\n,,\n,,"));
+    is_read(sparse, &BY_PLACE);
+}
+
+#[test]
+fn of_several_lines_of_names_that_with_those_that_are_asked_for_counts() {
+    let text = rows(|t, angle, u| format!("{t:.4},{angle:.4},{u},0,0"));
+    is_read(format!("Rig,A,bench,3b,x\ntime,angle,pwm,a,b\n{text}"), &BY_NAME);
+    is_read(format!("time,angle,pwm,a,a\ns,deg,one,V,A\n{text}"), &BY_NAME);
+    let text = rows(|t, angle, u| format!("{t:.4} {angle:.4} {u}"));
+    is_read(format!("# time angle pwm\n# s deg -\n\n{text}"), &BY_NAME);
+    let text = rows(|t, angle, u| format!("{t:.4},{angle:.4},{u},"));
+    is_read(format!("Step test\ntime,angle,pwm\n{text}"), &BY_NAME);
+}
+
+#[test]
 fn a_terminal_puts_the_time_before_each_line() {
     let clock = |t: f64| format!("23:59:{:06.3}", t + 50.0);
     let stamped = |between: &'static str| {

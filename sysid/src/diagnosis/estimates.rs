@@ -11,6 +11,9 @@ use crate::likelihood::problem::Problem;
 /// of the intervals held the truth without it, and 92 % with it; leverage of the blocks (MacKinnon and White, 1985) moved none.
 const SEARCHED: f64 = 1.3;
 
+/// A damping that is none, N m s/rad.
+const NONE: f64 = 1e-6;
+
 /// All unknowns of `fit`, in their order; the intervals from the blocks' scores where these are more uneven than the
 /// information says. A parameter that is no unknown may be anything in its range. A moment in time is by the clock of the file.
 pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Information>) -> Vec<Estimate> {
@@ -19,8 +22,9 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
     let unknown = vec![f64::INFINITY; values.len()];
     let deviations = information.map_or(unknown, |information| information.deviations(values));
     let searched = problem.noise_range().end;
-    // A damping of none, or no delay, is as near to the bound as the data say.
-    let at_bound = |i: usize| information.and_then(|information| information.deviation_at_bound(i, values));
+    // No damping is as near to none as the data say. At a bound of the search nothing is known.
+    let at_zero = |i: usize| coordinates[i].bounds.contains(&0.0) && values[i].abs() < NONE;
+    let at_bound = |i: usize| information.filter(|_| at_zero(i))?.deviation_at_bound(i, values);
     let deviations = deviations.into_iter().enumerate().map(|(i, d)| match i < searched {
         true => at_bound(i).unwrap_or(d),
         false => SEARCHED * d,
@@ -112,8 +116,7 @@ mod tests {
             let (values, coordinates) = (&fit.minimum.values, problem.coordinates(&fit.effects));
             for (i, deviation) in information.deviations(values).into_iter().enumerate().take(first + 1) {
                 let Coordinate { name, unit, bounds, .. } = &coordinates[i];
-                let at_bound = information.deviation_at_bound(i, values);
-                let deviation = if i < first { at_bound.unwrap_or(deviation) } else { SEARCHED * deviation };
+                let deviation = if i < first { deviation } else { SEARCHED * deviation };
                 assert_eq!(all[i], Estimate::new(name, unit, values[i], deviation, *bounds));
             }
             let [size, begin, end] = [&all[first], &all[first + 1], &all[first + 2]];

@@ -4,6 +4,7 @@ use super::estimates::estimates;
 use super::levels::{HORIZONS_S, SEEN, SEEN_AT_ALL, SHORTEST_S, WIDEST_GAIN_INTERVAL};
 use super::materiality::vaf_ahead;
 use super::past_alone::vaf_of_the_past_alone;
+use super::posterior::is_shape;
 use crate::dataset::{Dataset, Run};
 use crate::identify::fir::ceiling_vaf;
 use crate::likelihood::evidence::Information;
@@ -104,8 +105,8 @@ pub fn gain_unknown(
     let gain = all.iter().find(|e| e.name == "dM_du")?;
     let half = 0.5 * (gain.ci95[1] - gain.ci95[0]);
     let relative = half / gain.value.abs();
-    let names: Vec<&str> =
-        fit.effects.iter().filter(|e| !e.is_background()).map(|e| e.about().sentence).collect();
+    let names = fit.effects.iter().filter(|e| !e.is_background() && !is_shape(**e));
+    let names: Vec<&str> = names.map(|e| e.about().sentence).collect();
     let beside = match names.is_empty() {
         true => String::new(),
         false => format!(" once it is asked whether {}", names.join(", and whether ")),

@@ -306,7 +306,7 @@ impl Told {
         let fit = |place: usize| &selection.visited[place].fit;
         let gain = |finding: &Finding| self.rotation.gain(finding.effect.about().id).unwrap_or_default();
         let unclear = |finding: &&Finding| !is_clear(finding.effect, &gain(finding));
-        if let Some(without) = self.shapes.iter().rev().find(unclear).and_then(|shape| shape.without) {
+        if let Some(without) = self.shapes.iter().rev().filter(unclear).find_map(|shape| shape.without) {
             return Some(without);
         }
         let never = |finding: &&Finding| {
@@ -355,10 +355,10 @@ fn told_once(selection: &Selection, named: Vec<Finding>) -> Vec<Finding> {
 /// Whether a term gains more on held-out data than chance gives.
 fn is_clear(effect: &dyn Effect, held_out: &TermGain) -> bool {
     let (gain, error) = held_out.log_likelihood;
-    // What acts between two moments shows in few blocks: their spread says nothing of it. So does a swing that dies out; there
-    // the free run tells.
+    // What acts between two moments shows in few blocks: their spread says nothing of it. Nor does it say much of a swing that dies
+    // out; there the free run tells.
     let by_blocks = gain > HELD_OUT_ERRORS * error || held_out.signed_rank > HELD_OUT_ERRORS;
-    effect.ends_at().is_some() || by_blocks || gain > 0.0 && held_out.halves
+    effect.ends_at().is_some() || by_blocks || gain > error && held_out.halves
 }
 
 /// Whether a name beside a larger one is told as a remainder, `chosen` in so many of so many rotations: one that no majority chooses

@@ -157,7 +157,8 @@ impl Information {
         }
         let covariance = factor(&whole.hessian)?.inverse();
         // with the curvature that a step away from the bound shows
-        let at_bound = (0..slopes.len()).filter(|i| !moves(i)).filter_map(|i| {
+        let is_held = |i: &usize| coordinates[*i].bounds[0] == coordinates[*i].bounds[1];
+        let at_bound = (0..slopes.len()).filter(|i| !moves(i) && !is_held(i)).filter_map(|i| {
             let product = |j: usize| -> f64 {
                 let pairs = slopes[i].iter().zip(&slopes[j]);
                 pairs.map(|(a, b)| inner(a, &weigh(&weight, b))).sum()
@@ -217,11 +218,13 @@ impl Information {
         Some((posterior - ranges).min(0.0))
     }
 
-    /// Standard deviation of the unknown at `place` where it stands at a bound, in its own unit: what the curvature there gives, which
-    /// is too large where the criterion rises from the bound. `None` where it does not stand at one, or nothing depends on it.
+    /// Standard deviation of the unknown at `place` where it stands at a bound, in its own unit: what the curvature there gives, by
+    /// as much more as the blocks' scores of the others are more uneven than chance makes them. `None` where it does not stand at one,
+    /// or nothing depends on it.
     pub fn deviation_at_bound(&self, place: usize, values: &[f64]) -> Option<f64> {
         let (_, deviation) = self.at_bound.iter().find(|(i, _)| *i == place)?;
-        Some(deviation * self.coordinates[place].stretch(values[place]))
+        let uneven = self.divisor(self.free.iter().copied()).sqrt();
+        Some(deviation * uneven * self.coordinates[place].stretch(values[place]))
     }
 
     /// Standard deviation of every unknown in its own unit: the larger of that of the information and of the blocks;

@@ -104,7 +104,8 @@ pub(super) fn stamped(line: &str) -> Option<(&str, &str)> {
     let mut blanks = line.match_indices([' ', '\t']).take(2);
     blanks.find_map(|(at, _)| {
         let (stamp, rest) = (&line[..at], &line[at + 1..]);
-        (rest.contains([',', ';']) && is_stamp(stamp)).then_some((stamp, rest))
+        let is_table = rest.contains([',', ';']) && !sniff::is_between_blanks(rest);
+        (is_table && is_stamp(stamp)).then_some((stamp, rest))
     })
 }
 

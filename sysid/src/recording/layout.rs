@@ -1,15 +1,17 @@
 //! Where the names of a text file's columns stand, what separates the columns, and where the rows begin.
 
 use super::assign::{Source, assign};
+use super::columns::Role;
 use super::fields::{BLANKS, Form, Splitter, content_lines, is_comment, numbered_lines, stamped};
-use super::options::ReadOptions;
+use super::options::{ColumnMap, ReadOptions};
 use super::{Note, NoteKind, missing, sniff, wall_clock};
 use crate::error::{Error, ErrorKind, quote};
+use std::collections::BTreeSet;
 
 /// Lines in which the first row is looked for.
 const HEAD: usize = 1000;
-/// Lines below it by which it is judged.
-const BELOW: usize = 20;
+/// Lines below it by which it is judged, and above it in which the names are looked for.
+const NEAR: usize = 20;
 /// Share of them that are rows like it.
 const MOST: f64 = 0.75;
 
@@ -30,8 +32,13 @@ pub(super) struct Layout<'t> {
 
 impl<'t> Layout<'t> {
     /// Finds the first row ([`Rows`]). The names are in the nearest lines above it that have as many fields, or in a comment right
-    /// above it; in the first line where nothing but rows stands between.
-    pub(super) fn read(text: &'t str) -> Result<Self, Error> {
+    /// above it, and where there are several in that with a name of the format or one of those that are `asked` for; in the first line
+    /// where nothing but rows stands between.
+    pub(super) fn read(text: &'t str, asked: &[ColumnMap]) -> Result<Self, Error> {
+        let is_wanted = |names: &[String]| {
+            let asked = |name: &String| asked.iter().any(|map| map.source.names().contains(name));
+            names.iter().any(|name| Role::of(name).is_some() || asked(name))
+        };
         let head: Vec<(usize, &str)> = content_lines(text).take(HEAD).collect();
         let Some(&first) = head.first() else {
             let advice = "check that the logger has written it";
@@ -47,16 +54,23 @@ impl<'t> Layout<'t> {
                 None => Self::with_names_in(&head, 0, 1, form),
             };
         };
-        let Rows { first: row, form, width } = rows;
-        if let Some(place) = rows.names_above(&head) {
+        let Rows { first: row, form, width, .. } = rows;
+        if let Some(place) = rows.names_above(&head, is_wanted) {
             return Self::with_names_in(&head, place, row, form);
         }
-        let comment = numbered_lines(text).take_while(|(number, _)| *number < head[row].0).last();
-        let comment = comment.filter(|(_, line)| is_comment(line));
-        let comment = comment.map(|(number, line)| (number, line.trim_start_matches(['#', '%', ' '])));
-        if let Some((number, line)) = comment
-            && let Some(names) = rows.names(line)
-        {
+        let above: Vec<(usize, &str)> =
+            numbered_lines(text).take_while(|(number, _)| *number < head[row].0).collect();
+        let nothing = |line: &str| line.trim().is_empty();
+        let comments = above.iter().rev().take_while(|(_, line)| is_comment(line) || nothing(line));
+        let comments = comments.filter(|(_, line)| !nothing(line)).take(NEAR);
+        let bare = |(number, line): &(usize, &'t str)| {
+            let line = line.trim_start_matches(['#', '%', ' ', '\t']);
+            rows.names(line).map(|names| (*number, line, names))
+        };
+        let mut named: Vec<_> = comments.filter_map(bare).collect();
+        let best = named.iter().position(|(.., names)| is_wanted(names));
+        if !named.is_empty() {
+            let (number, line, names) = named.swap_remove(best.unwrap_or(0));
             let mut layout = Self::by_place(&head, row, width, form);
             (layout.names, layout.names_stand) = (names, Some((number, line)));
             return Ok(layout);
@@ -93,7 +107,11 @@ impl<'t> Layout<'t> {
         let mut splitter = Splitter::new(form);
         splitter.split(text).map_err(|error: Error| error.at_line(line))?;
         let width = head.get(row).and_then(|(_, line)| Fields::of(line, form)).map(|fields| fields.0.len());
-        let names = Rows { first: row, form, width: width.unwrap_or(splitter.fields) }.names(text);
+        let ends =
+            |(_, line): &(usize, &str)| Fields::of(line, form).is_some_and(|fields| fields.end_empty());
+        let ends_empty = head.get(row).is_some_and(ends);
+        let names =
+            Rows { first: row, form, width: width.unwrap_or(splitter.fields), ends_empty }.names(text);
         let names = names.unwrap_or_else(|| Fields::in_splitter(&splitter).0);
         let has_number = |&at: &usize| {
             let fields = head.get(at).and_then(|(_, line)| Fields::of(line, form));
@@ -144,7 +162,7 @@ impl<'t> Layout<'t> {
         if let [(first, text), ..] = self.unread[..] {
             let more = match self.unread.len() - 1 {
                 0 => String::new(),
-                some => format!(" and {some} more without numbers for its columns"),
+                some => format!(" and {some} more"),
             };
             let text = format!("line {first} is not of the table: {}{more}", quote(text));
             notes.push(Note::new(NoteKind::Ignored, text));
@@ -171,6 +189,8 @@ struct Rows {
     first: usize,
     form: Form,
     width: usize,
+    /// Whether it ends with a separator.
+    ends_empty: bool,
 }
 
 impl Rows {
@@ -185,30 +205,32 @@ impl Rows {
         if !row.begins_rows(&Fields::of(below, form)?) {
             return None;
         }
-        let rows = Self { first: place, form, width: row.0.len() };
-        let below = &head[place + 1..head.len().min(place + 1 + BELOW)];
+        let rows = Self { first: place, form, width: row.0.len(), ends_empty: row.end_empty() };
+        let below = &head[place + 1..head.len().min(place + 1 + NEAR)];
         let like =
             below.iter().filter(|(_, line)| Fields::of(line, form).is_some_and(|f| row.is_like(&f))).count();
         let names_below = || below.iter().any(|(_, line)| rows.names(line).is_some());
         let is_table = like as f64 >= MOST * below.len() as f64;
-        (is_table && (rows.names_above(head).is_some() || !names_below())).then_some(rows)
+        (is_table && (!names_below() || rows.names_above(head, |_| false).is_some())).then_some(rows)
     }
 
-    /// The line with the names: of the lines right above that have as many fields the first whose names are all there and differ, or
-    /// the first of them; where each has a number, the uppermost if it is the file's first, or else the one above the rows.
-    fn names_above(&self, head: &[(usize, &str)]) -> Option<usize> {
+    /// The line with the names: of the lines right above that have as many fields the first with a name that is wanted, or whose names
+    /// are all there and differ, or the first of them; where each has a number, the uppermost if it is the file's first, or else the
+    /// one above the rows.
+    fn names_above(&self, head: &[(usize, &str)], is_wanted: impl Fn(&[String]) -> bool) -> Option<usize> {
         let is_rule = |line: &str| !line.contains(char::is_alphanumeric);
         let fits = |&place: &usize| is_rule(head[place].1) || self.has_width(head[place].1);
-        let top = (0..self.first).rev().take_while(fits).last()?;
-        let named = |&place: &usize| self.names(head[place].1).is_some() && !is_rule(head[place].1);
-        let differ = |place: &usize| {
-            let names = self.names(head[*place].1).unwrap_or_default();
-            named(place)
-                && !names.iter().enumerate().any(|(i, name)| name.is_empty() || names[..i].contains(name))
+        let top = (0..self.first).rev().take(NEAR).take_while(fits).last()?;
+        let named = (top..self.first).filter(|&place| !is_rule(head[place].1));
+        let named: Vec<(usize, Vec<String>)> =
+            named.filter_map(|place| Some((place, self.names(head[place].1)?))).collect();
+        let differ = |names: &[String]| {
+            names.iter().collect::<BTreeSet<_>>().len() == names.len() && !names.contains(&String::new())
         };
-        let names = (top..self.first).find(differ).or_else(|| (top..self.first).find(named));
-        match names {
-            Some(place) => Some(place),
+        let best = named.iter().find(|(_, names)| is_wanted(names));
+        let best = best.or_else(|| named.iter().find(|(_, names)| differ(names))).or(named.first());
+        match best {
+            Some((place, _)) => Some(*place),
             None if top == 0 => Some(0).filter(|_| self.has_text(head[0].1)),
             None => Some(self.first - 1).filter(|&place| self.has_text(head[place].1)),
         }
@@ -232,12 +254,16 @@ impl Rows {
         if fields.len() == self.width + 1 && fields.last().is_some_and(String::is_empty) {
             fields.pop();
         }
+        if self.ends_empty && fields.len() + 1 == self.width {
+            fields.push(String::new());
+        }
         (fields.len() == self.width).then_some(fields)
     }
 
-    /// The same of a line that has no number.
+    /// The same of a line that has no number, and not only cells without one.
     fn names(&self, line: &str) -> Option<Vec<String>> {
-        self.fields(line).filter(|fields| !fields.iter().any(|field| is_number(field)))
+        let has_text = |fields: &[String]| fields.iter().any(|field| !missing::is_missing(field));
+        self.fields(line).filter(|fields| !fields.iter().any(|field| is_number(field)) && has_text(fields))
     }
 }
 
@@ -270,6 +296,10 @@ impl Fields {
             !is_number(own) || is_number(other) || missing::is_missing(other)
         };
         self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(fits)
+    }
+
+    fn end_empty(&self) -> bool {
+        self.0.last().is_some_and(String::is_empty)
     }
 
     fn are_numbers(&self) -> bool {

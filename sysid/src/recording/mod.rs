@@ -186,7 +186,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Error> {
 /// No header line.
 pub fn header(name: &str, text: &[u8]) -> Result<Vec<String>, Error> {
     let text = sniff::text(text).map_err(|error| error.in_file(name))?;
-    Layout::read(&text).map(|layout| layout.names).map_err(|error| error.in_file(name))
+    Layout::read(&text, &[]).map(|layout| layout.names).map_err(|error| error.in_file(name))
 }
 
 /// A recording's bytes as CSV, made of a Parquet table or a MATLAB file where they are one; `name` stands for the file in messages.

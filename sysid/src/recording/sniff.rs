@@ -104,7 +104,7 @@ pub(super) fn separator(header: &str, below: &str) -> u8 {
 }
 
 /// Whether a row is two numbers or more between blanks, no comma among them but a decimal one.
-fn is_between_blanks(row: &str) -> bool {
+pub(super) fn is_between_blanks(row: &str) -> bool {
     let whole = |word: &str| !word.starts_with(',') && !word.ends_with(',');
     let is_number = |word: &str| whole(word) && word.replace(',', ".").parse::<f64>().is_ok();
     let numbers = row.split_whitespace().filter(|word| is_number(word)).count();

@@ -120,7 +120,7 @@ fn check_finite(values: &[f64], largest: f64, column: &str, rows: usize) -> Resu
 /// Reads header and rows; errors carry line and column, the caller adds the file.
 pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -> Result<Table, Error> {
     let text = sniff::text(bytes)?;
-    let layout = Layout::read(&text)?;
+    let layout = Layout::read(&text, &options.columns)?;
     let sources = layout.assigned(options, notes)?;
     let Layout { mut splitter, names: header, names_stand, rows_from, .. } = layout;
     let mut lines = content_lines(&text).skip_while(|(number, _)| *number < rows_from).peekable();
@@ -153,7 +153,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions, notes: &mut Vec<Note>) -
         }
     }
     notes.extend(wrong.of(rows)?);
-    if filler.of_day {
+    if filler.of_day == Some(true) {
         wall_clock::over_midnight(&mut filler.table.t);
     }
     Ok(filler.table)
@@ -176,8 +176,8 @@ struct Filler {
     section: Option<Source>,
     supervised: Option<Source>,
     label_of: BTreeMap<String, u32>,
-    /// Whether time stands as the time of day.
-    of_day: bool,
+    /// Whether time stands as the time of day: as in the first row that has one.
+    of_day: Option<bool>,
 }
 
 impl Filler {
@@ -192,17 +192,19 @@ impl Filler {
                 _ => table.signals.push(Signal { source, values: Vec::with_capacity(rows) }),
             }
         }
-        Self { header, table, section, supervised, label_of: BTreeMap::new(), of_day: false }
+        Self { header, table, section, supervised, label_of: BTreeMap::new(), of_day: None }
     }
 
     /// The row at `place` among those that were logged, in this line.
     fn push(&mut self, row: &Splitter, place: usize, line: usize, wrong: &mut Wrong) {
         let table = &mut self.table;
-        if place == 0 {
-            let mut stamps = table.time.places.iter().filter(|&&place| place < row.fields);
-            self.of_day = stamps.any(|&place| wall_clock::seconds(row.field(place)).is_some());
+        if self.of_day.is_none() {
+            let stamps = table.time.places.iter().filter(|&&place| place < row.fields);
+            let mut stamps = stamps.map(|&place| row.field(place)).filter(|cell| !missing::is_missing(cell));
+            let of_day = stamps.clone().any(|cell| wall_clock::seconds(cell).is_some());
+            self.of_day = stamps.next().map(|_| of_day);
         }
-        let cells = Row { fields: row, place, header: &self.header, of_day: self.of_day };
+        let cells = Row { fields: row, place, header: &self.header, of_day: self.of_day == Some(true) };
         let mut take = |source: &Source, largest| match cells.value(source, largest) {
             Ok(value) => value,
             Err(error) => {

@@ -5,6 +5,8 @@ use jiff::{Timestamp, tz::Offset};
 
 /// Seconds in a day.
 const DAY_S: f64 = 86_400.0;
+/// A stamp less than this before midnight, s, and one less than this after it, are of two days.
+const NEAR_S: f64 = 3600.0;
 
 /// Seconds since midnight of a time of day (`12:34:56.789`), or since 1970 of a date with one (ISO 8601, with or without a zone).
 pub(super) fn seconds(cell: &str) -> Option<f64> {
@@ -30,7 +32,7 @@ pub(super) fn over_midnight(times: &mut [f64]) {
     let mut before = f64::NAN;
     for t in times {
         let of_day = *t;
-        if before - of_day > 0.5 * DAY_S {
+        if before > DAY_S - NEAR_S && of_day < NEAR_S {
             days += DAY_S;
         }
         if !of_day.is_nan() {
@@ -62,5 +64,11 @@ mod tests {
         let past = |s: f64| DAY_S + s;
         assert_eq!(times[0], 86_399.0);
         assert_eq!(times[2..], [past(1.0), past(0.5), past(2.0)]);
+        // a stray stamp in the morning, one in the evening, and a date set back
+        for stray in [[36_000.0, 86_399.0, 36_001.0], [72_000.0, 0.0, 72_001.0], [2e9, 1.9e9, 2e9]] {
+            let mut times = stray;
+            over_midnight(&mut times);
+            assert_eq!(times, stray);
+        }
     }
 }
