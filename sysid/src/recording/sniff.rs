@@ -2,6 +2,7 @@
 
 use super::fields::BLANKS;
 use super::garbled::are_few;
+use super::wall_clock;
 use crate::error::{Error, ErrorKind};
 use std::borrow::Cow;
 
@@ -106,7 +107,9 @@ pub(super) fn separator(header: &str, below: &str) -> u8 {
 /// Whether a row is two numbers or more between blanks, no comma among them but a decimal one.
 pub(super) fn is_between_blanks(row: &str) -> bool {
     let whole = |word: &str| !word.starts_with(',') && !word.ends_with(',');
-    let is_number = |word: &str| whole(word) && word.replace(',', ".").parse::<f64>().is_ok();
+    let reads =
+        |word: &str| word.replace(',', ".").parse::<f64>().is_ok() || wall_clock::seconds(word).is_some();
+    let is_number = |word: &str| whole(word) && reads(word);
     let numbers = row.split_whitespace().filter(|word| is_number(word)).count();
     let words = row.split_whitespace().count();
     numbers >= 2 && (numbers == words || !row.contains(','))

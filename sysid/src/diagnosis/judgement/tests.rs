@@ -206,7 +206,7 @@ fn a_name_is_clear_by_what_it_gains_or_by_how_often_it_gains() {
     assert!(!clear(stiff, 0.0, 0.0, limit), "no more than chance");
     let halving = |gain: f64| TermGain { log_likelihood: (gain, 10.0), halves: true, ..TermGain::default() };
     assert!(
-        is_clear(stiff, &halving(1.0)) && !is_clear(stiff, &halving(0.0)),
+        is_clear(stiff, &halving(10.1)) && !is_clear(stiff, &halving(9.9)),
         "of a swing the free run tells"
     );
     assert!(clear(step, -5.0, 10.0, 0.0), "what comes and goes shows in few blocks");
