@@ -7,8 +7,8 @@ use crate::model::effect::{About, Effect, Locus, Parameter, Scale};
 use crate::model::pitch::Output;
 
 /// |q_meas| ≤ q_max. Where the log shows the reading at which the rate clips, that is q_max, and nothing is left to fit: a
-/// fit would take a lower one, because the mean of a rate that is not known exactly, once clipped, lies below the limit. A rate
-/// of which no row recurs at the largest value does not clip: it levels off for another reason.
+/// fit would take a lower one, because the mean of a rate that is not known exactly, once clipped, lies below the limit. Of a
+/// rate whose largest value does not recur the log does not show that it clips: it may level off for another reason.
 pub struct GyroSaturation;
 
 /// Share to which a limit is read off a log.

@@ -11,9 +11,6 @@ use crate::likelihood::problem::Problem;
 /// of the intervals held the truth without it, and 92 % with it; leverage of the blocks (MacKinnon and White, 1985) moved none.
 const SEARCHED: f64 = 1.3;
 
-/// A damping that is none, N m s/rad.
-const NONE: f64 = 1e-6;
-
 /// All unknowns of `fit`, in their order; the intervals from the blocks' scores where these are more uneven than the
 /// information says. A parameter that is no unknown may be anything in its range. A moment in time is by the clock of the file.
 pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Information>) -> Vec<Estimate> {
@@ -23,10 +20,9 @@ pub fn estimates(problem: &Problem<'_>, fit: &Fit, information: Option<&Informat
     let deviations = information.map_or(unknown, |information| information.deviations(values));
     let searched = problem.noise_range().end;
     // No damping is as near to none as the data say. At a bound of the search nothing is known.
-    let at_zero = |i: usize| coordinates[i].bounds.contains(&0.0) && values[i].abs() < NONE;
-    let at_bound = |i: usize| information.filter(|_| at_zero(i))?.deviation_at_bound(i, values);
+    let at_zero = |i: usize| information?.deviation_at_zero(i, values);
     let deviations = deviations.into_iter().enumerate().map(|(i, d)| match i < searched {
-        true => at_bound(i).unwrap_or(d),
+        true => at_zero(i).unwrap_or(d),
         false => SEARCHED * d,
     });
     let with_deviation = coordinates.iter().zip(values).zip(deviations);

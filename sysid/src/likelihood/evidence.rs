@@ -36,6 +36,9 @@ const NO_DIVISOR: f64 = 0.9;
 /// A linear parameter's prior is at most so many steps of its search wide (a shape's coefficient: ± one usual moment).
 const WIDEST_PRIOR: f64 = 100.0;
 
+/// Of an unknown that is bounded by zero: less is none, in its own unit.
+const NONE: f64 = 1e-6;
+
 /// Information and scores at a fit.
 #[derive(Clone, Debug)]
 pub struct Information {
@@ -51,8 +54,8 @@ pub struct Information {
     /// V.
     by_blocks: DMatrix<f64>,
     blocks: usize,
-    /// Those that stand at a bound, and their standard deviation, the free ones following.
-    at_bound: Vec<(usize, f64)>,
+    /// Those that stand at a bound which is zero, and their standard deviation, the free ones following.
+    at_zero: Vec<(usize, f64)>,
     /// What each part of the data contributes.
     parts: Vec<Part>,
     coordinates: Vec<Coordinate>,
@@ -157,8 +160,11 @@ impl Information {
         }
         let covariance = factor(&whole.hessian)?.inverse();
         // with the curvature that a step away from the bound shows
-        let is_held = |i: &usize| coordinates[*i].bounds[0] == coordinates[*i].bounds[1];
-        let at_bound = (0..slopes.len()).filter(|i| !moves(i) && !is_held(i)).filter_map(|i| {
+        let is_none = |i: &usize| {
+            let bounds = coordinates[*i].bounds;
+            bounds[0] != bounds[1] && bounds.contains(&0.0) && values[*i].abs() < NONE
+        };
+        let at_zero = (0..slopes.len()).filter(|i| !moves(i) && is_none(i)).filter_map(|i| {
             let product = |j: usize| -> f64 {
                 let pairs = slopes[i].iter().zip(&slopes[j]);
                 pairs.map(|(a, b)| inner(a, &weigh(&weight, b))).sum()
@@ -167,7 +173,7 @@ impl Information {
             let left = product(i) - across.dot(&(&covariance * &across));
             (left > 0.0).then(|| (i, left.sqrt().recip()))
         });
-        let at_bound: Vec<(usize, f64)> = at_bound.collect();
+        let at_zero: Vec<(usize, f64)> = at_zero.collect();
         let by_blocks = &covariance * by_blocks * &covariance;
         Some(Self {
             free,
@@ -177,7 +183,7 @@ impl Information {
             covariance,
             by_blocks,
             blocks,
-            at_bound,
+            at_zero,
             parts: of_parts,
             coordinates,
         })
@@ -218,11 +224,11 @@ impl Information {
         Some((posterior - ranges).min(0.0))
     }
 
-    /// Standard deviation of the unknown at `place` where it stands at a bound, in its own unit: what the curvature there gives, by
-    /// as much more as the blocks' scores of the others are more uneven than chance makes them. `None` where it does not stand at one,
-    /// or nothing depends on it.
-    pub fn deviation_at_bound(&self, place: usize, values: &[f64]) -> Option<f64> {
-        let (_, deviation) = self.at_bound.iter().find(|(i, _)| *i == place)?;
+    /// Standard deviation of the unknown at `place` where it stands at a bound which is zero, as a damping that is none, in its own
+    /// unit: what the curvature there gives, by as much more as the blocks' scores of the others are more uneven than chance makes
+    /// them. `None` where it does not stand at one, or nothing depends on it.
+    pub fn deviation_at_zero(&self, place: usize, values: &[f64]) -> Option<f64> {
+        let (_, deviation) = self.at_zero.iter().find(|(i, _)| *i == place)?;
         let uneven = self.divisor(self.free.iter().copied()).sqrt();
         Some(deviation * uneven * self.coordinates[place].stretch(values[place]))
     }

@@ -94,8 +94,14 @@ fn check_input(input: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
 fn check_far_beyond(table: &Table, input: &Signal, notes: &mut Vec<Note>) {
     let mut by_size: Vec<usize> = (0..input.values.len()).collect();
     let size = |row: &usize| input.values[*row].abs();
-    by_size.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.cmp(b)));
+    let larger_first = |a: &usize, b: &usize| size(b).total_cmp(&size(a)).then(a.cmp(b));
     let few = (FEW * by_size.len() as f64) as usize;
+    if few == 0 {
+        return;
+    }
+    by_size.select_nth_unstable_by(few, larger_first);
+    by_size.truncate(few + 1);
+    by_size.sort_by(larger_first);
     let beyond = |count: &usize| size(&by_size[count - 1]) > FAR_BEYOND * size(&by_size[*count]);
     let Some(count) = (1..=few).rev().filter(|count| size(&by_size[*count]) > 0.0).find(beyond) else {
         return;

@@ -16,6 +16,14 @@ pub(super) struct Form {
     pub(super) stamped: bool,
 }
 
+impl Form {
+    /// The time of day before a line, where lines begin with one and this does, and the line without it.
+    pub(super) fn unstamped<'l>(&self, line: &'l str) -> (Option<&'l str>, &'l str) {
+        let stamp = if self.stamped { stamped(line) } else { None };
+        stamp.map_or((None, line), |(stamp, rest)| (Some(stamp), rest))
+    }
+}
+
 /// Splits one line into fields; the buffers are kept from line to line.
 pub(super) struct Splitter {
     reader: Reader,
@@ -36,16 +44,12 @@ impl Splitter {
 
     /// Splits `line` (without its line end) at the separators, quotes removed.
     pub(super) fn split(&mut self, line: &str) -> Result<(), Error> {
-        let separator = char::from(self.form.separator);
-        let stamp = if self.form.stamped { stamped(line) } else { None };
-        let (stamp, rest) = stamp.map_or((None, line), |(stamp, rest)| (Some(stamp), rest));
+        let (stamp, rest) = self.form.unstamped(line);
         let blanks = self.form.separator == BLANKS;
-        self.squeezed.clear();
-        let words = stamp.into_iter().chain(rest.split_whitespace().filter(|_| blanks));
-        let parts = words.chain((!blanks && stamp.is_some()).then_some(rest));
-        for (i, part) in parts.enumerate() {
-            self.squeezed.extend((i > 0).then_some(separator));
-            self.squeezed.push_str(part);
+        if blanks {
+            self.squeeze(stamp.into_iter().chain(rest.split_whitespace()));
+        } else if stamp.is_some() {
+            self.squeeze(stamp.into_iter().chain([rest]));
         }
         let line = if blanks || stamp.is_some() { &self.squeezed } else { line };
         self.reader.reset();
@@ -70,6 +74,15 @@ impl Splitter {
                 }
                 ReadRecordResult::Record | ReadRecordResult::End => return Ok(()),
             }
+        }
+    }
+
+    /// Puts one separator between these parts of a line.
+    fn squeeze<'l>(&mut self, parts: impl Iterator<Item = &'l str>) {
+        self.squeezed.clear();
+        for (i, part) in parts.enumerate() {
+            self.squeezed.extend((i > 0).then_some(char::from(self.form.separator)));
+            self.squeezed.push_str(part);
         }
     }
 

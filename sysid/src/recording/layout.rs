@@ -198,9 +198,11 @@ impl Rows {
     /// one, most of the lines below like it; where no names stand above it, none stand among those.
     fn at(head: &[(usize, &str)], place: usize) -> Option<Self> {
         let (line, below) = (head[place].1, head.get(place + 1)?.1);
-        let is_stamped = stamped(line).is_some() && stamped(below).is_some();
-        let bare = |line| if is_stamped { stamped(line).map_or(line, |(_, rest)| rest) } else { line };
-        let form = Form { separator: sniff::separator(bare(line), bare(below)), stamped: is_stamped };
+        let (bare, stamped) = match (stamped(line), stamped(below)) {
+            (Some((_, line)), Some((_, below))) => ([line, below], true),
+            _ => ([line, below], false),
+        };
+        let form = Form { separator: sniff::separator(bare[0], bare[1]), stamped };
         let row = Fields::of(line, form)?;
         if !row.begins_rows(&Fields::of(below, form)?) {
             return None;
@@ -246,7 +248,7 @@ impl Rows {
 
     /// The fields of a line that has as many as the rows, or an empty one more or less at its end; before them what names the stamps.
     fn fields(&self, line: &str) -> Option<Vec<String>> {
-        let bare = if self.form.stamped { stamped(line).map_or(line, |(_, rest)| rest) } else { line };
+        let (_, bare) = self.form.unstamped(line);
         let mut fields = Fields::of(bare, Form { stamped: false, ..self.form })?.0;
         if self.form.stamped {
             fields.insert(0, "clock".into());
