@@ -8,7 +8,7 @@ use flight_logs::axes::Axis;
 use sysid::recording::{ColumnMap, Expression, NoteKind, ReadOptions, Recording, header, parse};
 
 /// Units of an input, as they end its name.
-const UNITS: [&str; 6] = ["rad", "pct", "V", "N_m", "N", "norm"];
+const UNITS: [&str; 7] = ["rad", "deg", "pct", "V", "N_m", "N", "norm"];
 
 /// `--axis`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -109,6 +109,32 @@ fn byte_order_mark_crlf_quotes_order_and_comments() {
 }
 
 #[test]
+fn degrees_are_converted_in_every_column() {
+    let columns = "t_s,u_deg,q_deg_s,theta_deg,theta_ref_deg,p_deg_s,r_deg_s,phi_deg,u_roll_deg";
+    let mut text = format!("{columns}\n");
+    for k in 0..40 {
+        let row: Vec<String> = (1..=8).map(|column| (column * (k % 7)).to_string()).collect();
+        writeln!(text, "{},{}", 0.02 * f64::from(k), row.join(",")).unwrap();
+    }
+    let recording = good(&text);
+    assert_eq!(recording.u_unit, InputUnit::Rad);
+    let signals = [
+        &Some(recording.u.clone()),
+        &recording.q,
+        &recording.theta,
+        &recording.theta_ref,
+        &recording.p,
+        &recording.r,
+        &recording.phi,
+        &recording.u_roll,
+    ];
+    for (column, signal) in (1..).zip(signals) {
+        let value = signal.as_ref().unwrap()[6];
+        assert!((value - (6.0 * f64::from(column)).to_radians()).abs() < 1e-12, "column {column}: {value}");
+    }
+}
+
+#[test]
 fn gaps_split_and_are_never_bridged() {
     let mut times = uniform(100);
     times.iter_mut().skip(40).for_each(|t| *t += 1.0);

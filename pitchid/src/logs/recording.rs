@@ -43,6 +43,7 @@ pub fn choose_channels(log: &Log, axis: Axis, maps: &[ColumnMap]) -> Result<Choi
             "q_deg_s" => (1, "q_rad_s", "rad/s", 1_f64.to_radians()),
             "theta_rad" => (2, "theta_rad", "rad", 1.0),
             "theta_deg" => (2, "theta_rad", "rad", 1_f64.to_radians()),
+            "u_deg" => (0, "u_rad", "rad", 1_f64.to_radians()),
             input if input.starts_with("u_") => (0, input, "", 1.0),
             _ => {
                 let help = "of a flight log, map the input (u_norm, u_V, ...), q_rad_s or theta_rad";

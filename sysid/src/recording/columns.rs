@@ -1,9 +1,10 @@
 //! The columns of the format: their names, units and roles.
 
 /// Names a file may use, in the order of the format's table.
-pub const KNOWN_COLUMNS: [&str; 26] = [
+pub const KNOWN_COLUMNS: [&str; 32] = [
     "t_s",
     "u_rad",
+    "u_deg",
     "u_pct",
     "u_V",
     "u_N_m",
@@ -17,10 +18,15 @@ pub const KNOWN_COLUMNS: [&str; 26] = [
     "section",
     "supervised",
     "theta_ref_rad",
+    "theta_ref_deg",
     "p_rad_s",
+    "p_deg_s",
     "r_rad_s",
+    "r_deg_s",
     "phi_rad",
+    "phi_deg",
     "u_roll_rad",
+    "u_roll_deg",
     "u_roll_pct",
     "u_roll_V",
     "u_roll_N_m",
@@ -135,6 +141,7 @@ impl Role {
         Some(match name {
             "t_s" => (Self::Time, 1.0),
             "u_rad" => (Self::Input(InputUnit::Rad), 1.0),
+            "u_deg" => (Self::Input(InputUnit::Rad), DEGREE),
             "u_pct" => (Self::Input(InputUnit::Percent), 1.0),
             "u_V" => (Self::Input(InputUnit::Volt), 1.0),
             "u_N_m" => (Self::Input(InputUnit::NewtonMetre), 1.0),
@@ -146,10 +153,15 @@ impl Role {
             "theta_deg" => (Self::Theta, DEGREE),
             "qdot_rad_s2" => (Self::Qdot, 1.0),
             "p_rad_s" => (Self::P, 1.0),
+            "p_deg_s" => (Self::P, DEGREE),
             "r_rad_s" => (Self::R, 1.0),
+            "r_deg_s" => (Self::R, DEGREE),
             "phi_rad" => (Self::Phi, 1.0),
+            "phi_deg" => (Self::Phi, DEGREE),
             "theta_ref_rad" => (Self::ThetaRef, 1.0),
+            "theta_ref_deg" => (Self::ThetaRef, DEGREE),
             "u_roll_rad" => (Self::RollInput(InputUnit::Rad), 1.0),
+            "u_roll_deg" => (Self::RollInput(InputUnit::Rad), DEGREE),
             "u_roll_pct" => (Self::RollInput(InputUnit::Percent), 1.0),
             "u_roll_V" => (Self::RollInput(InputUnit::Volt), 1.0),
             "u_roll_N_m" => (Self::RollInput(InputUnit::NewtonMetre), 1.0),
