@@ -1,12 +1,12 @@
 //! Does the input answer to the motion in sections that claim to be open loop?
 //!
-//! Each is asked by what is [new](super::news) in its input. Where nothing is new between its switches, there is an excitation
+//! Each is asked by what is [new](super::news) in its input, beside the fitted model and in the [rows](super::own_rows) as they were logged. Where nothing is new between its switches, there is an excitation
 //! and nothing else; where something is, averages rule nothing out. Dwells that follow the motion as far as the input made
 //! it, and no further, decide nothing.
 
 use super::dwells::dwells;
 use super::news::{Section, Test};
-use super::{DataCheck, Gravity};
+use super::{DataCheck, Gravity, own_rows};
 use crate::dataset::{Place, Run};
 use crate::estimate::digits;
 use crate::likelihood::fit::Fit;
@@ -14,6 +14,7 @@ use crate::likelihood::free_run::{simulate, starting_points};
 use crate::likelihood::problem::{Problem, Unpacked};
 use crate::model::pitch::Output;
 use crate::recording::{NoteKind, Recording, WHOLE};
+use core::ops::Range;
 
 /// Odds of finding feedback by chance in one recording.
 pub const ODDS: f64 = 1e-3;
@@ -42,6 +43,8 @@ pub struct Loops {
     averaged: usize,
     /// Whether anything is new in the input of some section between its switches.
     new_between: bool,
+    /// Whether rows were asked as they were logged.
+    asked_as_logged: bool,
 }
 
 impl Loops {
@@ -81,10 +84,15 @@ impl Loops {
             let notes = recordings.get(run.recording).map_or(&[][..], |recording| &recording.notes);
             let interpolated = notes.iter().any(|note| note.kind == NoteKind::Resampled);
             let section = Section { u, e, supervised, step: run.step, averaged, interpolated, dwells };
-            if let Some((test, new_between)) = section.test() {
-                loops.new_between |= new_between;
-                loops.tests.push((place.label, test));
-            }
+            let as_logged =
+                || asked_as_logged(recordings.get(run.recording)?, run, &place, unpacked.plant.dm_du);
+            let as_logged = if interpolated { None } else { as_logged() };
+            loops.asked_as_logged |= as_logged.is_some();
+            let (by_model, new_between) =
+                section.test().map_or((None, false), |(test, new)| (Some(test), new));
+            loops.new_between |= new_between;
+            let test = clearer(by_model, as_logged);
+            loops.tests.extend(test.map(|test| (place.label, test)));
         }
         loops.share = entered as f64 / rows.max(1) as f64;
         loops
@@ -166,7 +174,7 @@ impl Loops {
         }
         let mut labels: Vec<String> = self.tests.iter().map(|(label, _)| called(label)).collect();
         labels.dedup();
-        if self.averaged > 1 && self.new_between {
+        if self.averaged > 1 && self.new_between && !self.asked_as_logged {
             let words = format!(
                 "{} samples were averaged into one, and a controller that answers within them is not seen; over longer times the \
                  motion says nothing of later inputs (least p = {}){by_design}",
@@ -196,6 +204,33 @@ impl Loops {
 /// A section as it is called; a recording without sections is one.
 fn called(label: &str) -> String {
     if label == WHOLE { "the recording".into() } else { format!("section {label}") }
+}
+
+/// The clearer of two tests of one section, its odds doubled.
+fn clearer(a: Option<Test>, b: Option<Test>) -> Option<Test> {
+    match (a, b) {
+        (Some(a), Some(b)) => {
+            let clearer = if b.p_value < a.p_value { b } else { a };
+            Some(Test { p_value: (2.0 * clearer.p_value).min(1.0), ..clearer })
+        }
+        (a, b) => a.or(b),
+    }
+}
+
+/// Asks the rows of `place` as they were logged; `effect` is the gain of the input.
+fn asked_as_logged(recording: &Recording, run: &Run, place: &Place, effect: f64) -> Option<Test> {
+    let rows = logged_rows(recording, run, place);
+    let motion: Vec<&[f64]> =
+        [&recording.q, &recording.theta].into_iter().flatten().map(|signal| &signal[rows.clone()]).collect();
+    let counts: Vec<bool> = recording.supervised[rows.clone()].iter().map(|supervised| !supervised).collect();
+    own_rows::answers(&recording.u[rows], &motion, &counts, effect)
+}
+
+/// The rows of the recording that those of `place` were made of.
+fn logged_rows(recording: &Recording, run: &Run, place: &Place) -> Range<usize> {
+    let begin = recording.t.first().copied().unwrap_or(0.0);
+    let row = |k: usize| recording.t.partition_point(|t| t - begin < run.time(k) - 0.5 * recording.step);
+    row(place.rows.start)..row(place.rows.end)
 }
 
 fn innovations(problem: &Problem<'_>, unpacked: &Unpacked) -> Option<Vec<Vec<Output>>> {

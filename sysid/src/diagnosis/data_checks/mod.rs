@@ -7,7 +7,7 @@
 //! | `rate_sign`, `rate_unit` | the rate's integral against the angle (`motion`) |
 //! | `input_sign`, `input_unit` | ∂M/∂u as fitted against the user's model (`input`) |
 //! | `delay`, `input_hold` | the likelihood, the delay set free (`timing`) |
-//! | `feedback` | the innovations against later inputs (`feedback`), the motion at a switch against the next (`dwells`) |
+//! | `feedback` | the innovations against later inputs (`news`), the rows as they were logged (`own_rows`), the motion at a switch against the next (`dwells`) |
 
 mod channels;
 mod dwells;
@@ -17,6 +17,7 @@ pub(crate) mod fixture;
 mod input;
 mod motion;
 mod news;
+mod own_rows;
 mod timing;
 
 use super::answer::{Answer, Location, Verdict};

@@ -66,11 +66,13 @@ pub struct Test {
     pub p_value: f64,
     /// Share of the variance of what is new in the input that the motion explains, beyond what chance gives.
     pub share: f64,
-    kind: Kind,
+    pub kind: Kind,
 }
 
 /// What was asked.
-enum Kind {
+pub enum Kind {
+    /// What is new in a logged row's motion against what is new in the input so many logged rows later.
+    OwnRows(usize),
     /// The innovations against what is new in the input of the same row.
     AtOnce,
     /// The innovations against what is new in the input so many s later.
@@ -83,6 +85,15 @@ impl Test {
     pub fn told(&self) -> String {
         let share = 100.0 * self.share;
         match self.kind {
+            Kind::OwnRows(0) => format!(
+                "in the rows as logged what is new in the motion explains {share:.1} % of what is new in the input of the same row, \
+                 by rank, and against the input's effect"
+            ),
+            Kind::OwnRows(later) => format!(
+                "in the rows as logged what is new in the motion explains {share:.1} % of what is new in the input {later} {} \
+                 later, by rank",
+                if later == 1 { "row" } else { "rows" }
+            ),
             Kind::AtOnce => {
                 format!("the innovations explain {share:.1} % of what is new in the input of the same row")
             }

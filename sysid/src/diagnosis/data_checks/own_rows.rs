@@ -1,0 +1,161 @@
+//! Does the input answer to the motion of the last few rows? Asked of the rows as they were logged, before any average, and without
+//! a model of the vehicle.
+//!
+//! What the past tells neither of the motion nor of the input:
+//!
+//! ```text
+//! e(k) = y(k) − ŷ(k | u, y before k),   w(k) = u(k) − û(k | u before k)          (least squares)
+//! r(l): rank correlation of e(k) with w(k+l)                                     (Spearman, 1904)
+//! ```
+//!
+//! An input that was decided beforehand knows nothing of e, and r √n is a standard normal number. In the row of the motion (l = 0)
+//! an input that acts within the row shows in e too, with the sign of its effect: there only what goes against it, as a controller's
+//! answer does that holds the vehicle, counts. For later rows the input of the motion's own row is among what is known. Ranks,
+//! since a few switches, or steps of the set-point, outweigh by far what a controller adds to them.
+
+use super::news::{Kind, Test};
+use crate::dataset::has_two_levels;
+use crate::optim::least_squares::least_squares;
+use nalgebra::DVector;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Rows of the past that are known.
+const MEMORY: usize = 8;
+/// Rows that an answer may take.
+const LATEST: usize = 3;
+/// Fewest rows that are asked.
+const FEWEST: usize = 200;
+
+/// Asks the rows of `u` and of the signals of `motion` that count; `effect` is the gain of the input as fitted. `None` where too
+/// little is there to be asked, or the input has two levels: what is new in it is a switch then, by its own clock.
+pub fn answers(u: &[f64], motion: &[&[f64]], counts: &[bool], effect: f64) -> Option<Test> {
+    let rows: Vec<usize> = (MEMORY..u.len()).filter(|&k| !counts[k - MEMORY..=k].contains(&false)).collect();
+    if rows.len() < FEWEST || has_two_levels(rows.iter().map(|&k| &u[k])) {
+        return None;
+    }
+    let before = |x: &[f64], k: usize| -> Vec<f64> { x[k - MEMORY..k].to_vec() };
+    let new_input = left(&rows, u, |k| before(u, k))?;
+    let known =
+        |k: usize| motion.iter().fold(before(u, k), |known, signal| [known, before(signal, k)].concat());
+    let mut tests = Vec::new();
+    for signal in motion {
+        let at_once = left(&rows, signal, known)?;
+        let later = left(&rows, signal, |k| [known(k), vec![u[k]]].concat())?;
+        for lag in 0..=LATEST {
+            let e = if lag == 0 { &at_once } else { &later };
+            let pairs: Vec<(f64, f64)> = (0..rows.len() - lag)
+                .filter(|&i| rows[i + lag] == rows[i] + lag)
+                .map(|i| (e[i], new_input[i + lag]))
+                .collect();
+            let r = rank_correlation(&pairs);
+            let normal = Normal::standard();
+            let z = r * (pairs.len() as f64).sqrt();
+            let p_value = if lag > 0 { 2.0 * normal.sf(z.abs()) } else { normal.cdf(z * effect.signum()) };
+            tests.push(Test { p_value, share: r * r - 1.0 / pairs.len() as f64, kind: Kind::OwnRows(lag) });
+        }
+    }
+    let odds = tests.len() as f64;
+    let clearest = tests.into_iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
+    Some(Test { p_value: (odds * clearest.p_value).min(1.0), ..clearest })
+}
+
+/// What `known` of each row, and a constant, do not tell of `x`.
+fn left(rows: &[usize], x: &[f64], known: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
+    let row = |k: usize| DVector::from_vec([known(k), vec![1.0]].concat());
+    let columns = row(*rows.first()?).len();
+    let weights = least_squares(columns, rows.iter().map(|&k| (row(k), x[k])))?;
+    Some(rows.iter().map(|&k| x[k] - weights.dot(&row(k))).collect())
+}
+
+fn rank_correlation(pairs: &[(f64, f64)]) -> f64 {
+    let [a, b] = [ranks(pairs.iter().map(|p| p.0)), ranks(pairs.iter().map(|p| p.1))];
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// Each value's place in order, about zero; equal ones share theirs.
+fn ranks(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let values: Vec<f64> = values.collect();
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut ranks = vec![0.0; values.len()];
+    let mut first = 0;
+    for alike in order.chunk_by(|&a, &b| values[a] == values[b]) {
+        let place = first as f64 + (alike.len() - 1) as f64 / 2.0;
+        alike.iter().for_each(|&k| ranks[k] = place - (values.len() - 1) as f64 / 2.0);
+        first += alike.len();
+    }
+    ranks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::feedback::ODDS;
+    use super::super::fixture::normal;
+    use super::*;
+    use rand::SeedableRng;
+    use rand_pcg::Pcg64;
+
+    /// A vehicle that the air shakes, at 100 Hz, under an input of a new level every fourth row: the input that was logged in each row, and its rate. `acts_at_once`:
+    /// the input of a row is in the rate that was measured in it. The gains of a controller are those on the rate of the same row and of
+    /// two rows before.
+    fn logged(seed: u64, acts_at_once: bool, [now, before]: [f64; 2]) -> Option<Test> {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let (mut u, mut q) = (Vec::new(), Vec::new());
+        let (mut rate, mut air, mut level) = (0.0, 0.0, 0.0);
+        for k in 0..1500_usize {
+            level = if k % 4 == 0 { 0.1 * normal(&mut random) } else { level };
+            let measured = rate + 0.05 * normal(&mut random);
+            let earlier: f64 = if k < 2 { 0.0 } else { q[k - 2] };
+            u.push(level - now * measured - before * earlier);
+            air = 0.9 * air + 0.3 * normal(&mut random);
+            rate += 0.01 * (20.0 * u[k] - 2.0 * rate + air);
+            q.push(if acts_at_once { rate + 0.05 * normal(&mut random) } else { measured });
+        }
+        answers(&u, &[&q], &vec![true; u.len()], 20.0)
+    }
+
+    #[test]
+    fn an_answer_within_the_row_or_soon_after_is_found() {
+        for gains in [[0.4, 0.0], [0.0, 0.4]] {
+            let test = logged(5, false, gains).unwrap();
+            assert!(test.p_value < ODDS && test.share > 0.02, "{}: {:.0e}", test.told(), test.p_value);
+        }
+    }
+
+    #[test]
+    fn an_input_that_was_decided_beforehand_answers_nothing() {
+        const SEEDS: u64 = 200;
+        for acts_at_once in [false, true] {
+            let p_values = (0..SEEDS).map(|seed| logged(seed, acts_at_once, [0.0; 2]).unwrap().p_value);
+            let p_values: Vec<f64> = p_values.collect();
+            let below = |level: f64| p_values.iter().filter(|p| **p < level).count();
+            // 10 and 2 by chance
+            println!(
+                "{acts_at_once}: {} below 0.05, {} below 0.01, {} below the odds",
+                below(0.05),
+                below(0.01),
+                below(ODDS)
+            );
+            assert!(below(0.05) <= 20 && below(0.01) <= 7 && below(ODDS) <= 1, "{acts_at_once}");
+        }
+    }
+
+    #[test]
+    fn two_levels_and_few_rows_are_not_asked() {
+        let q: Vec<f64> = (0..400).map(|k| (0.7 * f64::from(k * k % 101)).sin()).collect();
+        let relay: Vec<f64> = q.iter().map(|q| -q.signum()).collect();
+        assert!(answers(&relay, &[&q], &[true; 400], 1.0).is_none());
+        let fed_back: Vec<f64> = q.iter().map(|q| -q).collect();
+        assert!(answers(&fed_back, &[&q], &[true; 400], 1.0).is_some());
+        assert!(answers(&fed_back[..150], &[&q[..150]], &[true; 150], 1.0).is_none());
+    }
+
+    #[test]
+    fn equal_values_share_a_rank() {
+        assert_eq!(ranks([3.0, 1.0, 3.0, 2.0].into_iter()), [1.0, -1.5, 1.0, -0.5]);
+        let pairs = [(0.0, 5.0), (1.0, 7.0), (2.0, 100.0)];
+        assert!((rank_correlation(&pairs) - 1.0).abs() < 1e-12);
+        assert_eq!(rank_correlation(&[(1.0, 2.0), (1.0, 3.0)]), 0.0);
+    }
+}
