@@ -20,15 +20,21 @@ use crate::catalogue::trim_offset::TrimOffset;
 use crate::compare::statistics::{self, Measured, judge};
 use crate::dataset::{Dataset, Run, pieces};
 use crate::estimate::{Estimate, digits};
+use crate::likelihood::evidence::Information;
+use crate::likelihood::fit::Fit;
+use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
 use crate::model::effect::Effect;
 use crate::model::file::{EffectEntry, ModelFile};
 use crate::recording::InputUnit;
 use std::collections::BTreeMap;
 
-/// Length of a span, s, and the least and most of them.
+/// Length of a span, s, of a vehicle that is held and of one that follows the input, and the least and most of them.
 const SPAN_S: f64 = 2.0;
+const FOLLOWING_SPAN_S: f64 = 1.0;
 const SPANS: [usize; 2] = [4, 24];
+/// Least share of the command's size at which what is lost of it in an open loop is told.
+const LEAST_LOST: f64 = 0.02;
 /// Size of a usual change of trim, as a share of full command.
 const USUAL: f64 = 0.05;
 /// Mean angle from which on the command may balance what restores the vehicle and is not in the model, rad.
@@ -41,7 +47,13 @@ pub struct Balance {
     unit: InputUnit,
     /// The user's model.
     model: Option<OfModel>,
+    /// What may take it from the command in an open loop.
+    lost_by: Option<&'static str>,
 }
+
+/// What may take a part of the command in an open loop.
+const ONE_WAY: &str = "a constant moment, dry friction or a dead band, which are one and the same while the motion goes one way";
+const BOTH_WAYS: &str = "a constant moment acts, or the command's zero is another";
 
 struct OfModel {
     /// u₀ of the model.
@@ -66,7 +78,7 @@ impl Balance {
         let known = model.and_then(|model| model.plant.dm_du);
         // Without the user's gain, what the rate has in the balance is not known; it is little.
         let [damping, inertia] = known.map_or([0.0; 2], |dm_du| [plant.dm_dq / dm_du, plant.inertia / dm_du]);
-        let command = mean_with_error(&commands(data, damping, inertia))?;
+        let command = mean_with_error(&commands(data, damping, inertia, SPAN_S))?;
         let of_model = |_: &ModelFile| {
             let trim = baseline.terms.iter().find(|term| term.effect.about().id == TrimOffset.about().id);
             let given = known.zip(trim).map_or(0.0, |(dm_du, trim)| -trim.values[0] / dm_du);
@@ -80,7 +92,43 @@ impl Balance {
             let log_odds = statistics::log_odds(difference.z, command.deviation, usual);
             OfModel { command: given, dm_du: known, has_trim: trim.is_some(), difference, log_odds }
         };
-        Some(Self { command, unit: data.input_unit, model: model.map(of_model) })
+        Some(Self { command, unit: data.input_unit, model: model.map(of_model), lost_by: None })
+    }
+
+    /// The command that holds the vehicle of `fit`, by its own gains; in an open loop it is lost:
+    ///
+    /// ```text
+    /// s² = s²(spans) + (q̄ s(∂M/∂q/∂M/∂u))²
+    /// ```
+    ///
+    /// A slow background hides that from every prediction. `None` where a term has a part in the mean, and where nothing sure and
+    /// worth telling is lost.
+    pub fn of_fit(problem: &Problem<'_>, fit: &Fit, information: &Information, closed: bool) -> Option<Self> {
+        let of_the_mean = |e: &&dyn Effect| e.moves_the_mean() || e.about().variable.contains("theta");
+        let of_model = problem.baseline.terms.iter().map(|term| term.effect);
+        let data = problem.data;
+        let known = information.moves(0) && information.moves(1);
+        if !known || !is_level(data) || fit.effects.iter().copied().chain(of_model).any(|e| of_the_mean(&e)) {
+            return None;
+        }
+        let plant = problem.unpack(&fit.effects, &fit.minimum.values).plant;
+        let rates: Vec<Vec<f64>> = data.runs.iter().map(Run::rate_or_slope).collect();
+        let mean_rate = rates.iter().flatten().sum::<f64>() / data.samples() as f64;
+        let damping = plant.dm_dq / plant.dm_du;
+        let of_spans =
+            mean_with_error(&commands(data, damping, plant.inertia / plant.dm_du, FOLLOWING_SPAN_S))?;
+        let mut gradient = vec![0.0; fit.minimum.values.len()];
+        gradient[0] = mean_rate / plant.dm_du;
+        gradient[1] = -mean_rate * damping / plant.dm_du;
+        let by_gains = information.deviation_along(&fit.minimum.values, &gradient);
+        let command = Measured { deviation: of_spans.deviation.hypot(by_gains), ..of_spans };
+        let [low, high] = command.estimate("u0", "").ci95;
+        let inputs = data.runs.iter().flat_map(|run| &run.u);
+        let size = inputs.fold(0.0_f64, |size, u| size.max(u.abs()));
+        let is_worth_telling = (low > 0.0 || high < 0.0) && command.value.abs() > LEAST_LOST * size;
+        let one_way = rates.iter().flatten().all(|rate| rate * mean_rate > 0.0);
+        let lost_by = (!closed).then_some(if one_way { ONE_WAY } else { BOTH_WAYS });
+        is_worth_telling.then_some(Self { command, unit: data.input_unit, model: None, lost_by })
     }
 
     /// Writes it into an answer and its model. A vehicle that is out of the model's trim has a constant moment where no other name
@@ -148,6 +196,12 @@ impl Balance {
             "to hold it takes {} {unit} on average (95 %: {low} to {high}, by its spread over time)",
             digits(estimate.value)
         );
+        if let Some(by) = self.lost_by {
+            return format!(
+                "{} {unit} of the command move nothing (95 %: {low} to {high}): {by}",
+                digits(estimate.value)
+            );
+        }
         let Some(of_model) = &self.model else { return held };
         let against = format!("{held}, where the model takes {}", digits(of_model.command));
         match of_model.difference.verdict {
@@ -199,9 +253,9 @@ fn is_level(data: &Dataset) -> bool {
 }
 
 /// u₀ of every span; `damping` is ∂M/∂q and `inertia` Iyy, per ∂M/∂u.
-fn commands(data: &Dataset, damping: f64, inertia: f64) -> Vec<f64> {
+fn commands(data: &Dataset, damping: f64, inertia: f64, span: f64) -> Vec<f64> {
     let seconds: f64 = data.runs.iter().map(|run| run.len() as f64 * run.step).sum();
-    let count = ((seconds / SPAN_S) as usize).min(SPANS[1]);
+    let count = ((seconds / span) as usize).min(SPANS[1]);
     let rates: Vec<Vec<f64>> = data.runs.iter().map(Run::rate_or_slope).collect();
     let all = data.samples();
     let of_span = |k: usize| {
@@ -231,7 +285,26 @@ fn mean_with_error(spans: &[f64]) -> Option<Measured> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::data_checks::fixture::{GAIN, fitted, flight, model};
     use super::*;
+
+    #[test]
+    fn what_an_open_loop_loses_of_the_command_is_told() {
+        let of_fit = |zero: f64, closed: bool| {
+            let mut flown = flight(3, 0.0);
+            flown.u.iter_mut().for_each(|u| *u += zero);
+            fitted(&flown.recording(), &model(GAIN, 0.06), |_, problem, fit| {
+                let information = Information::new(problem, fit, &[problem.data.places()]).unwrap();
+                Balance::of_fit(problem, fit, &information, closed)
+            })
+        };
+        let lost = of_fit(0.004, false).unwrap();
+        let [low, high] = lost.command.estimate("u0", "rad").ci95;
+        assert!(low < 0.004 && 0.004 < high && high - low < 0.004, "{low} {high}");
+        assert!(lost.words().contains("rad of the command move nothing"), "{}", lost.words());
+        assert!(of_fit(0.004, true).unwrap().words().starts_with("to hold it takes"));
+        assert!(of_fit(0.0, false).is_none());
+    }
 
     #[test]
     fn a_trim_is_told_after_what_has_more_evidence() {

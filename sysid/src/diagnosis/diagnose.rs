@@ -1,6 +1,6 @@
 //! The whole diagnosis: recordings and a baseline in, an answer out.
 
-use super::answer::{Answer, FitAnswer, Location, Verdict};
+use super::answer::{Answer, FitAnswer, Location, Predicted, Verdict};
 use super::balance::Balance;
 use super::between_rows;
 use super::building::{build, model_answer};
@@ -146,8 +146,8 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         answered(asked, &Baseline { input_first: true, ..baseline.clone() })
     };
     let balance = Balance::new(data, baseline, model);
-    let with_checks = |mut diagnosis: Diagnosis, checks: Vec<DataCheck>, held: bool| {
-        if let Some(balance) = balance.as_ref().filter(|_| held) {
+    let with_checks = |mut diagnosis: Diagnosis, checks: Vec<DataCheck>, balance: Option<&Balance>| {
+        if let Some(balance) = balance {
             balance.write(&mut diagnosis.answer, &mut diagnosis.model);
         }
         data_checks::write(&mut diagnosis.answer, checks);
@@ -155,7 +155,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     };
     if let Some(reason) = excitation::too_little(&problem) {
         checks.extend(data_checks::without_fit("too little to ask"));
-        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, false);
+        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, None);
     }
     if data_checks::stop(&checks) {
         checks.extend(data_checks::without_fit("not asked before the others are put right"));
@@ -163,7 +163,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         return with_checks(
             unanswered(None, Verdict::CheckData, String::new(), Some(location)),
             checks,
-            false,
+            None,
         );
     }
     let places: Vec<_> = parts.iter().map(|part| part.places.clone()).collect();
@@ -180,7 +180,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     let information = Information::new(&problem, &first, &places).ok_or_else(no_likelihood)?;
     if let Some(reason) = excitation::too_weak(&problem, &first, &information) {
         checks.extend(data_checks::without_fit("too weak to ask"));
-        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, true);
+        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, balance.as_ref());
     }
     let selection = select(&problem, first, catalogue, &places, progress).ok_or_else(no_likelihood)?;
     let fitted = &selection.visited[selection.baseline];
@@ -202,7 +202,11 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
              controller's answer to the motion, not the craft's to the input, which moves too little by itself between two rows. {remedy}."
         );
         checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));
-        return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
+        return with_checks(
+            unanswered(Some(fitted), Verdict::NotExcited, reason, None),
+            checks,
+            balance.as_ref(),
+        );
     }
     let closed = loops.any_closed_unsaid() || loops.all_closed();
     let unknown = || {
@@ -221,7 +225,11 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         if closed {
             data_checks::tell_loop(&mut checks, &loops);
         }
-        return with_checks(unanswered(Some(fitted), Verdict::NotExcited, reason, None), checks, true);
+        return with_checks(
+            unanswered(Some(fitted), Verdict::NotExcited, reason, None),
+            checks,
+            balance.as_ref(),
+        );
     }
     checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));
     if data_checks::stop(&checks) {
@@ -229,13 +237,19 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         return with_checks(
             unanswered(Some(fitted), Verdict::CheckData, String::new(), Some(location)),
             checks,
-            false,
+            None,
         );
     }
     let judgement = Judgement::new(&problem, &parts, selection, loops.any_closed_unsaid(), progress);
     let found = build(&judgement, notes());
-    let held = closed || !predicts(&found.answer);
-    with_checks(found, checks, held)
+    // the gains of a model that tells a second are better known than that the vehicle stands still in the mean
+    let balance = if model.is_none() && found.answer.fit.predicted == Some(Predicted::Far) {
+        let answers = &judgement.selection.visited[judgement.place];
+        Balance::of_fit(&problem, &answers.fit, &answers.information, closed)
+    } else {
+        balance.filter(|_| closed || !predicts(&found.answer))
+    };
+    with_checks(found, checks, balance.as_ref())
 }
 
 /// What an answer without physics says.
