@@ -10,7 +10,7 @@ use super::levels::{ADEQUACY, BEYOND_DOUBT, CALM, HELD_OUT_ERRORS, MATERIAL, MEN
 use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection, is_in_other_words};
-use super::predicted::ahead;
+use super::predicted::{ahead, ahead_before};
 use super::rotation::{Rotation, TermGain, rotate};
 use super::verdict::Grounds;
 use crate::likelihood::evidence::BLOCK_S;
@@ -299,14 +299,15 @@ fn told(
 }
 
 impl Told {
-    /// The model without the least shape that held-out data do not show, or without the least of the further names that no rotation
-    /// chooses, nor a rival of it, and that all the same gives the input another gain: without any one of the parts it is not seen,
+    /// The model without the least shape that held-out data do not show, or that stands beside a baseline which tells the motion to its
+    /// last hundredths; or without the least of the further names that no rotation chooses, nor a rival of it, and that all the same gives the input another gain: without any one of the parts it is not seen,
     /// and what it says of the others is chance.
     fn unfounded(&self, problem: &Problem<'_>, selection: &Selection) -> Option<usize> {
         let fit = |place: usize| &selection.visited[place].fit;
         let gain = |finding: &Finding| self.rotation.gain(finding.effect.about().id).unwrap_or_default();
-        let unclear = |finding: &&Finding| !is_clear(finding.effect, &gain(finding));
-        if let Some(without) = self.shapes.iter().rev().filter(unclear).find_map(|shape| shape.without) {
+        let slight = ahead_before(&self.rotation) >= CALM;
+        let unfounded = |finding: &&Finding| slight || !is_clear(finding.effect, &gain(finding));
+        if let Some(without) = self.shapes.iter().rev().filter(unfounded).find_map(|shape| shape.without) {
             return Some(without);
         }
         let never = |finding: &&Finding| {

@@ -3,7 +3,7 @@
 use super::answer::Predicted;
 use super::levels::{SEEN, THE_INPUTS_OWN};
 use super::materiality::beyond_the_past;
-use super::rotation::Rotation;
+use super::rotation::{HeldOut, Rotation, Scores};
 
 impl Predicted {
     /// Of the parts held out, by their share of the motion. The free run does not count: in a loop it copies the controller, and not
@@ -19,9 +19,18 @@ impl Predicted {
     }
 }
 
-/// VAF held out at the longest horizon, mean over the parts, per cent.
+/// VAF of the answer's model held out at the longest horizon, mean over the parts, per cent.
 pub fn ahead(rotation: &Rotation) -> f64 {
-    rotation.mean(|part| part.extended.horizons.last().copied().flatten().map(|(vaf, _)| vaf))
+    at_the_longest(rotation, |part| &part.extended)
+}
+
+/// The same of the baseline.
+pub fn ahead_before(rotation: &Rotation) -> f64 {
+    at_the_longest(rotation, |part| &part.baseline)
+}
+
+fn at_the_longest(rotation: &Rotation, model: impl Fn(&HeldOut) -> &Scores) -> f64 {
+    rotation.mean(|part| model(part).horizons.last().copied().flatten().map(|(vaf, _)| vaf))
 }
 
 /// Share of what the outputs' past alone does not tell at the shortest horizon that the model tells, held out.
