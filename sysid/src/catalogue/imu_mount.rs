@@ -52,8 +52,11 @@ impl Effect for ImuMount {
         let highest = 0.3 / data.step;
         [0.15, 0.3, 0.6].map(|share| vec![(share * highest).max(1.1 * SOFTEST_HZ), 0.2]).to_vec()
     }
+    /// An angle alone may be an encoder's: a mount is seen by the gyro on it.
     fn applies(&self, baseline: &Baseline, data: &Dataset) -> bool {
-        baseline.plant.mount.is_none() && data.runs.iter().all(|run| SEEN_TO / run.step > SOFTEST_HZ)
+        data.has_rate
+            && baseline.plant.mount.is_none()
+            && data.runs.iter().all(|run| SEEN_TO / run.step > SOFTEST_HZ)
     }
     fn plant(&self, p: &[f64], plant: &mut Plant) {
         plant.mount = Some(Mount::from_mode(p[0], p[1], CARRIED_SHARE * plant.inertia));

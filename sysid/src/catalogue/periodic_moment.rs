@@ -18,7 +18,7 @@ impl Effect for PeriodicMoment {
         About {
             id: "periodic_moment",
             locus: Locus::PitchMoment,
-            sentence: "a moment of one frequency acts, as an imbalance gives once per revolution",
+            sentence: "a moment of one frequency acts, as an imbalance gives once per revolution or a servo that hunts",
             equation: "M += amplitude sin(2 pi f_hz t + phase)",
             variable: "t",
             condition: "at one frequency, whatever the input does",
