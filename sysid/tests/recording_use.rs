@@ -135,6 +135,15 @@ fn degrees_are_converted_in_every_column() {
 }
 
 #[test]
+fn a_command_in_degrees_gives_way_to_any_other() {
+    for columns in ["u_deg,u_pct", "u_pct,u_deg"] {
+        let rows = (0..40).map(|k| format!("{:.2},{},{},{}\n", 0.02 * f64::from(k), k % 3, k % 3, k % 5));
+        let recording = good(&format!("t_s,{columns},q_rad_s\n{}", rows.collect::<String>()));
+        assert_eq!((recording.u_unit, recording.u[2]), (InputUnit::Percent, 2.0), "{columns}");
+    }
+}
+
+#[test]
 fn gaps_split_and_are_never_bridged() {
     let mut times = uniform(100);
     times.iter_mut().skip(40).for_each(|t| *t += 1.0);

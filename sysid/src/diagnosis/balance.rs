@@ -24,7 +24,7 @@ use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
-use crate::model::effect::Effect;
+use crate::model::effect::{Class, Effect};
 use crate::model::file::{EffectEntry, ModelFile};
 use crate::recording::InputUnit;
 use std::collections::BTreeMap;
@@ -51,9 +51,16 @@ pub struct Balance {
     lost_by: Option<&'static str>,
 }
 
+/// Share of the rows in which the motion goes back, from which on it goes both ways.
+const BACK_AND_FORTH: f64 = 0.05;
 /// What may take a part of the command in an open loop.
 const ONE_WAY: &str = "a constant moment, dry friction or a dead band, which are one and the same while the motion goes one way";
 const BOTH_WAYS: &str = "a constant moment acts, or the command's zero is another";
+
+/// Whether a term leaves the balance of the means to gains and input, also where the command goes one way: lags and delays do.
+fn keeps_the_mean(effect: &dyn Effect) -> bool {
+    effect.is_background() || effect.class() == Some(Class::Phase) && !effect.moves_the_mean()
+}
 
 struct OfModel {
     /// u₀ of the model.
@@ -79,6 +86,9 @@ impl Balance {
         // Without the user's gain, what the rate has in the balance is not known; it is little.
         let [damping, inertia] = known.map_or([0.0; 2], |dm_du| [plant.dm_dq / dm_du, plant.inertia / dm_du]);
         let command = mean_with_error(&commands(data, damping, inertia, SPAN_S))?;
+        if known.is_none() && turns(data) {
+            return None;
+        }
         let of_model = |_: &ModelFile| {
             let trim = baseline.terms.iter().find(|term| term.effect.about().id == TrimOffset.about().id);
             let given = known.zip(trim).map_or(0.0, |(dm_du, trim)| -trim.values[0] / dm_du);
@@ -95,20 +105,19 @@ impl Balance {
         Some(Self { command, unit: data.input_unit, model: model.map(of_model), lost_by: None })
     }
 
-    /// The command that holds the vehicle of `fit`, by its own gains; in an open loop it is lost:
+    /// What the vehicle of `fit` loses of the command in an open loop, by its own gains:
     ///
     /// ```text
     /// s² = s²(spans) + (q̄ s(∂M/∂q/∂M/∂u))²
     /// ```
     ///
-    /// A slow background hides that from every prediction. `None` where a term has a part in the mean, and where nothing sure and
+    /// A slow background hides that from every prediction. `None` where a term may have a part in the mean, and where nothing sure and
     /// worth telling is lost.
-    pub fn of_fit(problem: &Problem<'_>, fit: &Fit, information: &Information, closed: bool) -> Option<Self> {
-        let of_the_mean = |e: &&dyn Effect| e.moves_the_mean() || e.about().variable.contains("theta");
-        let of_model = problem.baseline.terms.iter().map(|term| term.effect);
+    pub fn of_fit(problem: &Problem<'_>, fit: &Fit, information: &Information) -> Option<Self> {
         let data = problem.data;
+        let of_model = problem.baseline.terms.iter().map(|term| term.effect);
         let known = information.moves(0) && information.moves(1);
-        if !known || !is_level(data) || fit.effects.iter().copied().chain(of_model).any(|e| of_the_mean(&e)) {
+        if !known || !is_level(data) || !fit.effects.iter().copied().chain(of_model).all(keeps_the_mean) {
             return None;
         }
         let plant = problem.unpack(&fit.effects, &fit.minimum.values).plant;
@@ -123,11 +132,11 @@ impl Balance {
         let by_gains = information.deviation_along(&fit.minimum.values, &gradient);
         let command = Measured { deviation: of_spans.deviation.hypot(by_gains), ..of_spans };
         let [low, high] = command.estimate("u0", "").ci95;
-        let inputs = data.runs.iter().flat_map(|run| &run.u);
-        let size = inputs.fold(0.0_f64, |size, u| size.max(u.abs()));
+        let size = data.runs.iter().flat_map(|run| &run.u).fold(0.0_f64, |size, u| size.max(u.abs()));
         let is_worth_telling = (low > 0.0 || high < 0.0) && command.value.abs() > LEAST_LOST * size;
-        let one_way = rates.iter().flatten().all(|rate| rate * mean_rate > 0.0);
-        let lost_by = (!closed).then_some(if one_way { ONE_WAY } else { BOTH_WAYS });
+        let back = rates.iter().flatten().filter(|rate| **rate * mean_rate < 0.0).count();
+        let goes_one_way = (back as f64) < BACK_AND_FORTH * data.samples() as f64;
+        let lost_by = Some(if goes_one_way { ONE_WAY } else { BOTH_WAYS });
         is_worth_telling.then_some(Self { command, unit: data.input_unit, model: None, lost_by })
     }
 
@@ -252,6 +261,18 @@ fn is_level(data: &Dataset) -> bool {
     data.mean_angle().is_none_or(|angle| angle.abs() < LEVEL)
 }
 
+/// Whether the vehicle turns, as at a set-point of its rate: over spans the rate has a mean that is much of its size.
+fn turns(data: &Dataset) -> bool {
+    let rates: Vec<Vec<f64>> = data.runs.iter().map(Run::rate_or_slope).collect();
+    let square = |rates: &[f64]| rates.iter().map(|rate| rate * rate).sum::<f64>();
+    let of_spans = |(run, rates): (&Run, &Vec<f64>)| -> f64 {
+        let spans = rates.chunks(((SPAN_S / run.step) as usize).max(1));
+        spans.map(|span| span.iter().sum::<f64>().powi(2) / span.len() as f64).sum()
+    };
+    let slow: f64 = data.runs.iter().zip(&rates).map(of_spans).sum();
+    slow > 0.5 * rates.iter().map(|rates| square(rates)).sum::<f64>()
+}
+
 /// u₀ of every span; `damping` is ∂M/∂q and `inertia` Iyy, per ∂M/∂u.
 fn commands(data: &Dataset, damping: f64, inertia: f64, span: f64) -> Vec<f64> {
     let seconds: f64 = data.runs.iter().map(|run| run.len() as f64 * run.step).sum();
@@ -290,20 +311,19 @@ mod tests {
 
     #[test]
     fn what_an_open_loop_loses_of_the_command_is_told() {
-        let of_fit = |zero: f64, closed: bool| {
+        let of_fit = |zero: f64| {
             let mut flown = flight(3, 0.0);
             flown.u.iter_mut().for_each(|u| *u += zero);
             fitted(&flown.recording(), &model(GAIN, 0.06), |_, problem, fit| {
                 let information = Information::new(problem, fit, &[problem.data.places()]).unwrap();
-                Balance::of_fit(problem, fit, &information, closed)
+                Balance::of_fit(problem, fit, &information)
             })
         };
-        let lost = of_fit(0.004, false).unwrap();
+        let lost = of_fit(0.004).unwrap();
         let [low, high] = lost.command.estimate("u0", "rad").ci95;
         assert!(low < 0.004 && 0.004 < high && high - low < 0.004, "{low} {high}");
         assert!(lost.words().contains("rad of the command move nothing"), "{}", lost.words());
-        assert!(of_fit(0.004, true).unwrap().words().starts_with("to hold it takes"));
-        assert!(of_fit(0.0, false).is_none());
+        assert!(of_fit(0.0).is_none());
     }
 
     #[test]

@@ -242,14 +242,13 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     }
     let judgement = Judgement::new(&problem, &parts, selection, loops.any_closed_unsaid(), progress);
     let found = build(&judgement, notes());
-    // the gains of a model that tells a second are better known than that the vehicle stands still in the mean
-    let balance = if model.is_none() && found.answer.fit.predicted == Some(Predicted::Far) {
-        let answers = &judgement.selection.visited[judgement.place];
-        Balance::of_fit(&problem, &answers.fit, &answers.information, closed)
-    } else {
-        balance.filter(|_| closed || !predicts(&found.answer))
-    };
-    with_checks(found, checks, balance.as_ref())
+    if closed || !predicts(&found.answer) {
+        return with_checks(found, checks, balance.as_ref());
+    }
+    let answers = &judgement.selection.visited[judgement.place];
+    let tells = model.is_none() && found.answer.fit.predicted == Some(Predicted::Far);
+    let lost = if tells { Balance::of_fit(&problem, &answers.fit, &answers.information) } else { None };
+    with_checks(found, checks, lost.as_ref())
 }
 
 /// What an answer without physics says.

@@ -10,7 +10,7 @@ use super::levels::{ADEQUACY, BEYOND_DOUBT, CALM, HELD_OUT_ERRORS, MATERIAL, MEN
 use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection, is_in_other_words};
-use super::predicted::{ahead, ahead_before};
+use super::predicted::{ahead, told_without};
 use super::rotation::{Rotation, TermGain, rotate};
 use super::verdict::Grounds;
 use crate::likelihood::evidence::BLOCK_S;
@@ -305,7 +305,7 @@ impl Told {
     fn unfounded(&self, problem: &Problem<'_>, selection: &Selection) -> Option<usize> {
         let fit = |place: usize| &selection.visited[place].fit;
         let gain = |finding: &Finding| self.rotation.gain(finding.effect.about().id).unwrap_or_default();
-        let slight = ahead_before(&self.rotation) >= CALM;
+        let slight = told_without(&self.rotation) >= CALM;
         let unfounded = |finding: &&Finding| slight || !is_clear(finding.effect, &gain(finding));
         if let Some(without) = self.shapes.iter().rev().filter(unfounded).find_map(|shape| shape.without) {
             return Some(without);

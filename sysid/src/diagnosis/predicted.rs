@@ -19,14 +19,15 @@ impl Predicted {
     }
 }
 
-/// VAF of the answer's model held out at the longest horizon, mean over the parts, per cent.
+/// VAF held out at the longest horizon, mean over the parts, per cent.
 pub fn ahead(rotation: &Rotation) -> f64 {
     at_the_longest(rotation, |part| &part.extended)
 }
 
-/// The same of the baseline.
-pub fn ahead_before(rotation: &Rotation) -> f64 {
-    at_the_longest(rotation, |part| &part.baseline)
+/// The same of the baseline, or that of its free run, whichever is less.
+pub fn told_without(rotation: &Rotation) -> f64 {
+    let free_run = rotation.mean(|part| Some(part.baseline.free_run));
+    at_the_longest(rotation, |part| &part.baseline).min(free_run)
 }
 
 fn at_the_longest(rotation: &Rotation, model: impl Fn(&HeldOut) -> &Scores) -> f64 {

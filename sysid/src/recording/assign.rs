@@ -116,7 +116,7 @@ fn double_column(name: &str) -> Error {
     Error::new(ErrorKind::Column, "two columns of this name", "delete or rename one of them").in_column(name)
 }
 
-/// A column in degrees gives way to the same signal in radians; anything else twice is an error.
+/// A column in degrees gives way to the same signal in radians, a command in degrees to any other; anything else twice is an error.
 fn add_own_column(sources: &mut Vec<Source>, new: Source) -> Result<(), Error> {
     let Some(position) = sources.iter().position(|s| s.role.same_slot(new.role)) else {
         sources.push(new);
@@ -126,17 +126,16 @@ fn add_own_column(sources: &mut Vec<Source>, new: Source) -> Result<(), Error> {
     if old.name == new.name {
         return Err(double_column(&new.name));
     }
-    if matches!(new.role, Role::Input(_) | Role::RollInput(_)) {
-        let found = format!("two input columns, {} and {}", old.name, new.name);
-        let advice = format!("choose one, e.g. --column {0}={0}, or delete the other", old.name);
-        return Err(
-            Error::new(ErrorKind::Column, found, advice).expecting("exactly one input column for each axis")
-        );
+    if new.name != new.role.column() {
+        return Ok(());
     }
-    if new.name == new.role.column() {
+    if old.name != old.role.column() {
         sources[position] = new;
+        return Ok(());
     }
-    Ok(())
+    let found = format!("two input columns, {} and {}", old.name, new.name);
+    let advice = format!("choose one, e.g. --column {0}={0}, or delete the other", old.name);
+    Err(Error::new(ErrorKind::Column, found, advice).expecting("exactly one input column for each axis"))
 }
 
 fn require(sources: &[Source], header: &[String]) -> Result<(), Error> {

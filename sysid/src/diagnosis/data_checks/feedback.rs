@@ -84,8 +84,9 @@ impl Loops {
             let notes = recordings.get(run.recording).map_or(&[][..], |recording| &recording.notes);
             let interpolated = notes.iter().any(|note| note.kind == NoteKind::Resampled);
             let section = Section { u, e, supervised, step: run.step, averaged, interpolated, dwells };
-            let as_logged =
-                || asked_as_logged(recordings.get(run.recording)?, run, &place, unpacked.plant.dm_du);
+            let as_logged = || {
+                asked_as_logged(recordings.get(run.recording)?, run, &place, averaged, unpacked.plant.dm_du)
+            };
             let as_logged = if interpolated { None } else { as_logged() };
             loops.asked_as_logged |= as_logged.is_some();
             let (by_model, new_between) =
@@ -206,11 +207,13 @@ fn called(label: &str) -> String {
     if label == WHOLE { "the recording".into() } else { format!("section {label}") }
 }
 
-/// The clearer of two tests of one section, its odds doubled.
+/// The clearer of two tests of one section, its odds doubled: one that finds the loop closed, or the less probable.
 fn clearer(a: Option<Test>, b: Option<Test>) -> Option<Test> {
     match (a, b) {
         (Some(a), Some(b)) => {
-            let clearer = if b.p_value < a.p_value { b } else { a };
+            let closed = |test: &Test| test.p_value < ODDS && test.share > LEAST_SHARE;
+            let is_b = closed(&b) && !closed(&a) || closed(&b) == closed(&a) && b.p_value < a.p_value;
+            let clearer = if is_b { b } else { a };
             Some(Test { p_value: (2.0 * clearer.p_value).min(1.0), ..clearer })
         }
         (a, b) => a.or(b),
@@ -218,18 +221,25 @@ fn clearer(a: Option<Test>, b: Option<Test>) -> Option<Test> {
 }
 
 /// Asks the rows of `place` as they were logged; `effect` is the gain of the input.
-fn asked_as_logged(recording: &Recording, run: &Run, place: &Place, effect: f64) -> Option<Test> {
-    let rows = logged_rows(recording, run, place);
+fn asked_as_logged(
+    recording: &Recording,
+    run: &Run,
+    place: &Place,
+    averaged: usize,
+    effect: f64,
+) -> Option<Test> {
+    let rows = logged_rows(recording, run, place, averaged);
     let motion: Vec<&[f64]> =
         [&recording.q, &recording.theta].into_iter().flatten().map(|signal| &signal[rows.clone()]).collect();
     let counts: Vec<bool> = recording.supervised[rows.clone()].iter().map(|supervised| !supervised).collect();
     own_rows::answers(&recording.u[rows], &motion, &counts, effect)
 }
 
-/// The rows of the recording that those of `place` were made of.
-fn logged_rows(recording: &Recording, run: &Run, place: &Place) -> Range<usize> {
-    let begin = recording.t.first().copied().unwrap_or(0.0);
-    let row = |k: usize| recording.t.partition_point(|t| t - begin < run.time(k) - 0.5 * recording.step);
+/// The rows of the recording that those of `place` were made of, `averaged` of them each.
+fn logged_rows(recording: &Recording, run: &Run, place: &Place, averaged: usize) -> Range<usize> {
+    // an averaged row stands in the middle of those that it was made of
+    let early = if averaged > 1 { 0.5 * run.step } else { 0.0 } + 0.5 * recording.step;
+    let row = |k: usize| recording.t.partition_point(|t| *t < run.time(k) - early);
     row(place.rows.start)..row(place.rows.end)
 }
 
@@ -246,9 +256,8 @@ fn closed_by_design(recordings: &[Recording], problem: &Problem<'_>, place: &Pla
     let run = &problem.data.runs[place.run];
     let Some(recording) = recordings.get(run.recording) else { return called };
     let (from, to) = (run.time(place.rows.start), run.time(place.rows.end));
-    let begin = recording.t.first().copied().unwrap_or(0.0);
     let moves = |reference: &Vec<f64>| {
-        let inside = recording.t.iter().zip(reference).filter(|(t, _)| (from..to).contains(&(*t - begin)));
+        let inside = recording.t.iter().zip(reference).filter(|(t, _)| (from..to).contains(*t));
         let mut values = inside.map(|(_, r)| *r);
         let first = values.next();
         values.any(|r| Some(r) != first)

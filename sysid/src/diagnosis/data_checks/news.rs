@@ -34,11 +34,11 @@ use std::collections::HashMap;
 const MEMORY_S: f64 = 0.8;
 const MOST_TAPS: usize = 40;
 /// What is new beyond this many standard deviations (by the median) is a switch.
-const SWITCH: f64 = 4.0;
+pub(super) const SWITCH: f64 = 4.0;
 /// Regressions in which switches are left out.
-const TRIMMED: usize = 2;
+pub(super) const TRIMMED: usize = 2;
 /// News, relative to the input's size, that is the rounding of the numbers.
-const ROUNDING: f64 = 1e-4;
+pub(super) const ROUNDING: f64 = 1e-4;
 /// Later inputs that are looked at, s: each of the next ones, and one in a few up to where a person reacts.
 const LATER_S: [f64; 2] = [0.1, 1.0];
 /// Most later inputs that are looked at.
@@ -47,7 +47,7 @@ const MOST_LATER: usize = 10;
 const FEWEST: usize = 200;
 /// Stretches that a section is cut into, and how many of them at least the news must come from.
 const STRETCHES: usize = 20;
-const FEWEST_STRETCHES: f64 = 5.0;
+pub(super) const FEWEST_STRETCHES: f64 = 5.0;
 
 /// One section's input and innovations.
 pub struct Section<'a> {
@@ -91,7 +91,7 @@ impl Test {
             ),
             Kind::OwnRows(later) => format!(
                 "in the rows as logged what is new in the motion explains {share:.1} % of what is new in the input {later} {} \
-                 later, by rank",
+                 later, by rank, and against the input's effect",
                 if later == 1 { "row" } else { "rows" }
             ),
             Kind::AtOnce => {
@@ -193,13 +193,13 @@ impl Section<'_> {
 }
 
 /// Root mean square of the rows that count.
-fn typical_size(values: &[f64], counts: &[bool]) -> f64 {
+pub(super) fn typical_size(values: &[f64], counts: &[bool]) -> f64 {
     let counted = || values.iter().zip(counts).filter(|(_, c)| **c).map(|(v, _)| *v);
     (counted().map(|v| v * v).sum::<f64>() / counted().count().max(1) as f64).sqrt()
 }
 
 /// How many of the section's [`STRETCHES`] what is new comes from: (Σ E)² / Σ E² of their energies.
-fn news_from(new: &[f64], counts: &[bool]) -> f64 {
+pub(super) fn news_from(new: &[f64], counts: &[bool]) -> f64 {
     let long = new.len().div_ceil(STRETCHES).max(1);
     let energy = |(new, counts): (&[f64], &[bool])| {
         new.iter().zip(counts).filter(|(_, c)| **c).map(|(w, _)| w * w).sum::<f64>()
@@ -213,7 +213,7 @@ fn news_from(new: &[f64], counts: &[bool]) -> f64 {
 }
 
 /// The same by the median, as it is for normal numbers.
-fn median_size(values: &[f64], counts: &[bool]) -> f64 {
+pub(super) fn median_size(values: &[f64], counts: &[bool]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().zip(counts).filter(|(_, c)| **c).map(|(v, _)| v.abs()).collect();
     let middle = sizes.len() / 2;
     sizes.sort_by(f64::total_cmp);

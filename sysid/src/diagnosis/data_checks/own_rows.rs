@@ -8,12 +8,14 @@
 //! r(l): rank correlation of e(k) with w(k+l)                                     (Spearman, 1904)
 //! ```
 //!
-//! An input that was decided beforehand knows nothing of e, and r √n is a standard normal number. In the row of the motion (l = 0)
-//! an input that acts within the row shows in e too, with the sign of its effect: there only what goes against it, as a controller's
-//! answer does that holds the vehicle, counts. For later rows the input of the motion's own row is among what is known. Ranks,
-//! since a few switches, or steps of the set-point, outweigh by far what a controller adds to them.
+//! An input that was decided beforehand knows nothing of e, and r √n is a standard normal number. What is logged too late, a rate that was
+//! smoothed both ways, or an input that acts within its row have e show the input's own effect; so only what goes against that
+//! effect counts, as a controller's answer does that holds the vehicle. For later rows the input of the motion's own row is among what is known.
+//! Ranks, and no rows at the switches of an excitation or steps of a set-point, along which a model that lacks something errs alike.
 
-use super::news::{Kind, Test};
+use super::news::{
+    FEWEST_STRETCHES, Kind, ROUNDING, SWITCH, TRIMMED, Test, median_size, news_from, typical_size,
+};
 use crate::dataset::has_two_levels;
 use crate::optim::least_squares::least_squares;
 use nalgebra::DVector;
@@ -27,31 +29,46 @@ const LATEST: usize = 3;
 const FEWEST: usize = 200;
 
 /// Asks the rows of `u` and of the signals of `motion` that count; `effect` is the gain of the input as fitted. `None` where too
-/// little is there to be asked, or the input has two levels: what is new in it is a switch then, by its own clock.
+/// little is there to be asked, nothing is new in the input between its switches, or it has two levels: what is new in it is a switch then,
+/// by its own clock.
 pub fn answers(u: &[f64], motion: &[&[f64]], counts: &[bool], effect: f64) -> Option<Test> {
     let rows: Vec<usize> = (MEMORY..u.len()).filter(|&k| !counts[k - MEMORY..=k].contains(&false)).collect();
     if rows.len() < FEWEST || has_two_levels(rows.iter().map(|&k| &u[k])) {
         return None;
     }
+    let u = &standardised(u, &rows);
+    let motion: Vec<Vec<f64>> = motion.iter().map(|signal| standardised(signal, &rows)).collect();
     let before = |x: &[f64], k: usize| -> Vec<f64> { x[k - MEMORY..k].to_vec() };
-    let new_input = left(&rows, u, |k| before(u, k))?;
+    let mut between = vec![true; rows.len()];
+    let mut new_input = left(&rows, &between, u, |k| before(u, k))?;
+    for _ in 0..TRIMMED {
+        let limit = SWITCH * median_size(&new_input, &between);
+        between = new_input.iter().map(|new| new.abs() <= limit).collect();
+        new_input = left(&rows, &between, u, |k| before(u, k))?;
+    }
+    let is_new = median_size(&new_input, &between) > ROUNDING * typical_size(u, &vec![true; u.len()]);
+    if !is_new || news_from(&new_input, &between) < FEWEST_STRETCHES {
+        return None;
+    }
     let known =
         |k: usize| motion.iter().fold(before(u, k), |known, signal| [known, before(signal, k)].concat());
+    let all = vec![true; rows.len()];
     let mut tests = Vec::new();
-    for signal in motion {
-        let at_once = left(&rows, signal, known)?;
-        let later = left(&rows, signal, |k| [known(k), vec![u[k]]].concat())?;
+    for signal in &motion {
+        let at_once = left(&rows, &all, signal, known)?;
+        let later = left(&rows, &all, signal, |k| [known(k), vec![u[k]]].concat())?;
         for lag in 0..=LATEST {
             let e = if lag == 0 { &at_once } else { &later };
             let pairs: Vec<(f64, f64)> = (0..rows.len() - lag)
-                .filter(|&i| rows[i + lag] == rows[i] + lag)
+                .filter(|&i| rows[i + lag] == rows[i] + lag && between[i + lag])
                 .map(|i| (e[i], new_input[i + lag]))
                 .collect();
-            let r = rank_correlation(&pairs);
-            let normal = Normal::standard();
-            let z = r * (pairs.len() as f64).sqrt();
-            let p_value = if lag > 0 { 2.0 * normal.sf(z.abs()) } else { normal.cdf(z * effect.signum()) };
-            tests.push(Test { p_value, share: r * r - 1.0 / pairs.len() as f64, kind: Kind::OwnRows(lag) });
+            if pairs.len() >= FEWEST {
+                let r = rank_correlation(&pairs);
+                let against = Normal::standard().cdf(r * (pairs.len() as f64).sqrt() * effect.signum());
+                let share = r * r - 1.0 / pairs.len() as f64;
+                tests.push(Test { p_value: against, share, kind: Kind::OwnRows(lag) });
+            }
         }
     }
     let odds = tests.len() as f64;
@@ -59,11 +76,20 @@ pub fn answers(u: &[f64], motion: &[&[f64]], counts: &[bool], effect: f64) -> Op
     Some(Test { p_value: (odds * clearest.p_value).min(1.0), ..clearest })
 }
 
-/// What `known` of each row, and a constant, do not tell of `x`.
-fn left(rows: &[usize], x: &[f64], known: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
+/// About the mean over `rows`, and of the size of one there.
+fn standardised(x: &[f64], rows: &[usize]) -> Vec<f64> {
+    let count = rows.len() as f64;
+    let mean = rows.iter().map(|&k| x[k]).sum::<f64>() / count;
+    let variance = rows.iter().map(|&k| (x[k] - mean).powi(2)).sum::<f64>() / count;
+    x.iter().map(|x| (x - mean) / variance.sqrt().max(f64::MIN_POSITIVE)).collect()
+}
+
+/// What `known` of each row, and a constant, do not tell of `x`, by a regression over those that count.
+fn left(rows: &[usize], counts: &[bool], x: &[f64], known: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
     let row = |k: usize| DVector::from_vec([known(k), vec![1.0]].concat());
     let columns = row(*rows.first()?).len();
-    let weights = least_squares(columns, rows.iter().map(|&k| (row(k), x[k])))?;
+    let counted = rows.iter().zip(counts).filter(|(_, counts)| **counts);
+    let weights = least_squares(columns, counted.map(|(&k, _)| (row(k), x[k])))?;
     Some(rows.iter().map(|&k| x[k] - weights.dot(&row(k))).collect())
 }
 
@@ -96,29 +122,44 @@ mod tests {
     use rand::SeedableRng;
     use rand_pcg::Pcg64;
 
-    /// A vehicle that the air shakes, at 100 Hz, under an input of a new level every fourth row: the input that was logged in each row, and its rate. `acts_at_once`:
-    /// the input of a row is in the rate that was measured in it. The gains of a controller are those on the rate of the same row and of
-    /// two rows before.
-    fn logged(seed: u64, acts_at_once: bool, [now, before]: [f64; 2]) -> Option<Test> {
+    /// What is logged of each row: the rate before or after the input of the row has acted, and the input of that row or the last.
+    #[derive(Clone, Copy)]
+    struct Logged {
+        rate_after: bool,
+        input_late: bool,
+    }
+    const IN_TIME: Logged = Logged { rate_after: false, input_late: false };
+
+    /// A vehicle that the air shakes, at 100 Hz, under an input of a new level every fourth row. The gains of a controller are those on
+    /// the rate of the same row and of two rows before.
+    fn logged(seed: u64, log: Logged, [now, before]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
         let mut random = Pcg64::seed_from_u64(seed);
-        let (mut u, mut q) = (Vec::new(), Vec::new());
+        let (mut u, mut q): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
         let (mut rate, mut air, mut level) = (0.0, 0.0, 0.0);
         for k in 0..1500_usize {
             level = if k % 4 == 0 { 0.1 * normal(&mut random) } else { level };
             let measured = rate + 0.05 * normal(&mut random);
-            let earlier: f64 = if k < 2 { 0.0 } else { q[k - 2] };
+            let earlier = if k < 2 { 0.0 } else { q[k - 2] };
             u.push(level - now * measured - before * earlier);
             air = 0.9 * air + 0.3 * normal(&mut random);
             rate += 0.01 * (20.0 * u[k] - 2.0 * rate + air);
-            q.push(if acts_at_once { rate + 0.05 * normal(&mut random) } else { measured });
+            q.push(if log.rate_after { rate + 0.05 * normal(&mut random) } else { measured });
         }
+        if log.input_late {
+            u.insert(0, 0.0);
+            u.pop();
+        }
+        (u, q)
+    }
+
+    fn asked((u, q): (Vec<f64>, Vec<f64>)) -> Option<Test> {
         answers(&u, &[&q], &vec![true; u.len()], 20.0)
     }
 
     #[test]
     fn an_answer_within_the_row_or_soon_after_is_found() {
         for gains in [[0.4, 0.0], [0.0, 0.4]] {
-            let test = logged(5, false, gains).unwrap();
+            let test = asked(logged(5, IN_TIME, gains)).unwrap();
             assert!(test.p_value < ODDS && test.share > 0.02, "{}: {:.0e}", test.told(), test.p_value);
         }
     }
@@ -126,19 +167,33 @@ mod tests {
     #[test]
     fn an_input_that_was_decided_beforehand_answers_nothing() {
         const SEEDS: u64 = 200;
-        for acts_at_once in [false, true] {
-            let p_values = (0..SEEDS).map(|seed| logged(seed, acts_at_once, [0.0; 2]).unwrap().p_value);
+        let early = Logged { rate_after: true, ..IN_TIME };
+        for log in [IN_TIME, early, Logged { input_late: true, ..early }] {
+            let p_values = (0..SEEDS).map(|seed| asked(logged(seed, log, [0.0; 2])).unwrap().p_value);
             let p_values: Vec<f64> = p_values.collect();
             let below = |level: f64| p_values.iter().filter(|p| **p < level).count();
             // 10 and 2 by chance
-            println!(
-                "{acts_at_once}: {} below 0.05, {} below 0.01, {} below the odds",
-                below(0.05),
-                below(0.01),
-                below(ODDS)
-            );
-            assert!(below(0.05) <= 20 && below(0.01) <= 7 && below(ODDS) <= 1, "{acts_at_once}");
+            assert!(below(0.05) <= 20 && below(0.01) <= 7 && below(ODDS) <= 1, "{p_values:?}");
         }
+    }
+
+    #[test]
+    fn a_rate_that_was_smoothed_both_ways_is_no_answer() {
+        for seed in 0..10 {
+            let (u, q) = logged(seed, IN_TIME, [0.0; 2]);
+            let smoothed: Vec<f64> = q.windows(7).map(|seven| seven.iter().sum::<f64>() / 7.0).collect();
+            let test = asked((u[3..u.len() - 3].to_vec(), smoothed)).unwrap();
+            assert!(test.p_value > ODDS, "{}: {:.0e}", test.told(), test.p_value);
+        }
+    }
+
+    #[test]
+    fn an_excitation_in_long_steps_is_not_asked() {
+        let staircase: Vec<f64> =
+            (0..1500).map(|k| 1500.0 + [0.0, 100.0, -50.0, 200.0][k / 100 % 4]).collect();
+        let pulls = |k: usize| (0.01 * k as f64).sin();
+        let q: Vec<f64> = (0..1500).map(|k| 1e-3 * staircase[k] + pulls(k)).collect();
+        assert!(asked((staircase, q.clone())).is_none() && asked((vec![0.0; 1500], q)).is_none());
     }
 
     #[test]

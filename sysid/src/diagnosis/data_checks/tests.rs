@@ -317,3 +317,34 @@ fn an_output_that_freezes_while_the_other_moves_is_named_with_the_part_to_keep()
     }
     assert_eq!(asked(&at_rest).state, State::RuledOut);
 }
+
+#[test]
+fn the_rows_as_logged_are_those_of_the_section_by_whatever_clock() {
+    // 200 Hz from 37 s on, averaged; a controller closes the loop in the second half alone
+    let mut random = Pcg64::seed_from_u64(4);
+    let (mut rate, mut level, mut air) = (0.0, 0.0, 0.0);
+    let mut text = String::from("t_s,u_N_m,q_rad_s,section\n");
+    for k in 0..6000 {
+        let open = k < 3000;
+        level = if k % 10 == 0 { 0.2 * normal(&mut random) } else { level };
+        let measured = rate + 0.01 * normal(&mut random);
+        let u = level - if open { 0.0 } else { measured };
+        let label = if open { "I" } else { "II" };
+        text.push_str(&format!("{:.3},{u:.6},{measured:.6},{label}\n", 37.0 + 0.005 * f64::from(k)));
+        air = 0.95 * air + 0.2 * normal(&mut random);
+        rate += 0.005 * (5.0 * u - rate + air);
+    }
+    let recording = read(&text);
+    let mut model = model(5.0, 0.0);
+    model.plant.inertia_kg_m2 = 1.0;
+    fitted(&recording, &model, |recordings, problem, fit| {
+        assert!(problem.data.thinned > 1);
+        let check = Loops::new(recordings, problem, fit).check();
+        assert!(
+            check.words.contains("section II is not open loop: in the rows as logged"),
+            "{}",
+            check.words
+        );
+        assert!(!check.words.contains("section I is"), "{}", check.words);
+    });
+}
