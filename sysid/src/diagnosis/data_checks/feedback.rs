@@ -13,7 +13,7 @@ use crate::likelihood::fit::Fit;
 use crate::likelihood::free_run::{simulate, starting_points};
 use crate::likelihood::problem::{Problem, Unpacked};
 use crate::model::pitch::Output;
-use crate::recording::{NoteKind, Recording, WHOLE};
+use crate::recording::{InputHold, NoteKind, Recording, WHOLE};
 use core::ops::Range;
 
 /// Odds of finding feedback by chance in one recording.
@@ -85,7 +85,11 @@ impl Loops {
             let interpolated = notes.iter().any(|note| note.kind == NoteKind::Resampled);
             let section = Section { u, e, supervised, step: run.step, averaged, interpolated, dwells };
             let as_logged = || {
-                asked_as_logged(recordings.get(run.recording)?, run, &place, averaged, unpacked.plant.dm_du)
+                // what was measured between two rows is no command that was given in one
+                let recording = recordings.get(run.recording)?;
+                let is_command = recording.input_hold == InputHold::Held;
+                let effect = unpacked.plant.dm_du;
+                is_command.then(|| asked_as_logged(recording, run, &place, averaged, effect)).flatten()
             };
             let as_logged = if interpolated { None } else { as_logged() };
             loops.asked_as_logged |= as_logged.is_some();
