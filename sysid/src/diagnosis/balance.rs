@@ -35,6 +35,11 @@ const FOLLOWING_SPAN_S: f64 = 1.0;
 const SPANS: [usize; 2] = [4, 24];
 /// Least share of the command's size at which what is lost of it in an open loop is told.
 const LEAST_LOST: f64 = 0.02;
+/// Share of the rows in which the motion goes back, from which on it goes both ways.
+const BACK_AND_FORTH: f64 = 0.05;
+/// What may take a part of the command in an open loop.
+const ONE_WAY: &str = "a constant moment, dry friction or a dead band, which are one and the same while the motion goes one way";
+const BOTH_WAYS: &str = "a constant moment acts, or the command's zero is another";
 /// Size of a usual change of trim, as a share of full command.
 const USUAL: f64 = 0.05;
 /// Mean angle from which on the command may balance what restores the vehicle and is not in the model, rad.
@@ -50,12 +55,6 @@ pub struct Balance {
     /// What may take it from the command in an open loop.
     lost_by: Option<&'static str>,
 }
-
-/// Share of the rows in which the motion goes back, from which on it goes both ways.
-const BACK_AND_FORTH: f64 = 0.05;
-/// What may take a part of the command in an open loop.
-const ONE_WAY: &str = "a constant moment, dry friction or a dead band, which are one and the same while the motion goes one way";
-const BOTH_WAYS: &str = "a constant moment acts, or the command's zero is another";
 
 /// Whether a term leaves the balance of the means to gains and input, also where the command goes one way: lags and delays do.
 fn keeps_the_mean(effect: &dyn Effect) -> bool {
@@ -264,13 +263,12 @@ fn is_level(data: &Dataset) -> bool {
 /// Whether the vehicle turns, as at a set-point of its rate: over spans the rate has a mean that is much of its size.
 fn turns(data: &Dataset) -> bool {
     let rates: Vec<Vec<f64>> = data.runs.iter().map(Run::rate_or_slope).collect();
-    let square = |rates: &[f64]| rates.iter().map(|rate| rate * rate).sum::<f64>();
     let of_spans = |(run, rates): (&Run, &Vec<f64>)| -> f64 {
         let spans = rates.chunks(((SPAN_S / run.step) as usize).max(1));
         spans.map(|span| span.iter().sum::<f64>().powi(2) / span.len() as f64).sum()
     };
     let slow: f64 = data.runs.iter().zip(&rates).map(of_spans).sum();
-    slow > 0.5 * rates.iter().map(|rates| square(rates)).sum::<f64>()
+    slow > 0.5 * rates.iter().flatten().map(|rate| rate * rate).sum::<f64>()
 }
 
 /// u₀ of every span; `damping` is ∂M/∂q and `inertia` Iyy, per ∂M/∂u.

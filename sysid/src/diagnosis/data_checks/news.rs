@@ -82,6 +82,13 @@ pub enum Kind {
 }
 
 impl Test {
+    /// The clearest of several, its odds multiplied.
+    pub fn clearest(tests: Vec<Self>) -> Option<Self> {
+        let odds = tests.len() as f64;
+        let clearest = tests.into_iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
+        Some(Self { p_value: (odds * clearest.p_value).min(1.0), ..clearest })
+    }
+
     pub fn told(&self) -> String {
         let share = 100.0 * self.share;
         match self.kind {
@@ -137,9 +144,7 @@ impl Section<'_> {
             by_the_rest.map(|&Told { p_value, share }| Test { p_value, share, kind: Kind::Dwell }),
         ];
         let tests: Vec<Test> = tests.into_iter().flatten().collect();
-        let odds = tests.len() as f64;
-        let clearest = tests.into_iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
-        Some((Test { p_value: (odds * clearest.p_value).min(1.0), ..clearest }, between.is_some()))
+        Some((Test::clearest(tests)?, between.is_some()))
     }
 
     /// What is new in the input between its switches, and the rows that are no switches; `None` where nothing is.

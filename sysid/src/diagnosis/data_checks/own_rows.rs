@@ -71,9 +71,7 @@ pub fn answers(u: &[f64], motion: &[&[f64]], counts: &[bool], effect: f64) -> Op
             }
         }
     }
-    let odds = tests.len() as f64;
-    let clearest = tests.into_iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))?;
-    Some(Test { p_value: (odds * clearest.p_value).min(1.0), ..clearest })
+    Test::clearest(tests)
 }
 
 /// About the mean over `rows`, and of the size of one there.
