@@ -3,6 +3,8 @@
 //! nalgebra's, but for the singular value decomposition: that of nalgebra 0.35 returns vectors that do not reproduce the
 //! matrix for about one in a hundred matrices of deficient rank.
 
+pub mod least_squares;
+
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix, DMatrixView, Schur, SymmetricEigen};
 

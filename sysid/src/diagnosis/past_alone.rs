@@ -10,7 +10,7 @@
 
 use crate::dataset::Place;
 use crate::likelihood::problem::Problem;
-use crate::optim::least_squares::least_squares;
+use crate::linalg::least_squares::least_squares;
 use nalgebra::DVector;
 
 /// Rows between two lags, beyond the first few of them, s, and their number.

@@ -1,6 +1,5 @@
-//! Optimisation: bounded Levenberg–Marquardt for prediction errors, chords, linear least squares, minimax.
+//! Optimisation: bounded Levenberg–Marquardt for prediction errors, chords, minimax.
 
 pub mod chord;
-pub mod least_squares;
 pub mod levenberg_marquardt;
 pub mod minimax;

@@ -24,8 +24,8 @@
 
 use super::dwells::{Dwells, Told};
 use crate::dataset::has_two_levels;
+use crate::linalg::least_squares::least_squares;
 use crate::model::pitch::Output;
-use crate::optim::least_squares::least_squares;
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::HashMap;

@@ -17,7 +17,7 @@ use super::news::{
     FEWEST_STRETCHES, Kind, ROUNDING, SWITCH, TRIMMED, Test, median_size, news_from, typical_size,
 };
 use crate::dataset::has_two_levels;
-use crate::optim::least_squares::least_squares;
+use crate::linalg::least_squares::least_squares;
 use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, Normal};
 
