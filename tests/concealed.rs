@@ -46,7 +46,7 @@ fn gravity_is_named_or_told_before_a_straight_spring() {
             && effect.id == "gravity_stiffness"
             && rivals
     };
-    tally("gravity_stiffness", [9, 10], concealed("gravity_stiffness"), wanted);
+    tally("gravity_stiffness", [5, 6], concealed("gravity_stiffness"), wanted);
 }
 
 /// `id` at a size that costs five points of held-out VAF, on backgrounds that alternate between clean and lab.
@@ -71,7 +71,7 @@ macro_rules! named {
     ($($test:ident $id:literal)*) => {$(
         #[test]
         fn $test() {
-            tally($id, [9, 10], concealed($id), is_named($id));
+            tally($id, [5, 6], concealed($id), is_named($id));
         }
     )*};
 }
@@ -90,7 +90,7 @@ fn nothing_is_found_where_nothing_is_concealed() {
         let background = [Background::Clean, Background::Lab, Background::Paper][seed as usize % 3];
         (scenario(200 + seed, background), format!("({background:?})"))
     };
-    tally("nothing", [19, 20], bare, |answer| answer.verdict == Verdict::NoMismatch);
+    tally("nothing", [11, 12], bare, |answer| answer.verdict == Verdict::NoMismatch);
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn a_coloured_disturbance_is_no_mismatch() {
         let bare = scenario(300 + seed, Background::Lab);
         (Scenario { effects: vec![gust], ..bare }, "(gust)".to_owned())
     };
-    tally("coloured disturbance", [19, 20], gusty, |answer| {
+    tally("coloured disturbance", [11, 12], gusty, |answer| {
         answer.verdict == Verdict::NoMismatch || answer.effects.iter().all(|e| e.id == "gust_disturbance")
     });
 }
