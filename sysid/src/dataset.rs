@@ -2,6 +2,7 @@
 
 mod amplitudes;
 mod input;
+mod smoothed;
 mod thinning;
 
 pub use amplitudes::{Amplitudes, decorrelation};
@@ -107,10 +108,21 @@ pub struct Dataset {
     pub has_angle: bool,
     /// Number of logged samples that were averaged into one.
     pub thinned: usize,
+    /// The outputs that were smoothed both ways in time; `None` where none was.
+    pub smoothing: Option<Smoothing>,
     /// Whether the logged input has two values and no third: every curve of it is then a gain and a constant.
     pub two_levels: bool,
     /// Whether a recording has its largest rate in several rows: what clips, reads exactly that.
     pub rate_clips: bool,
+}
+
+/// Outputs that were smoothed both ways in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Smoothing {
+    /// What is left out for it, in words.
+    pub left_out: Option<&'static str>,
+    /// Whether what is used is smoothed as well.
+    pub in_use: bool,
 }
 
 /// A section: where it is.
@@ -222,25 +234,47 @@ impl Dataset {
         }
         let two_levels = has_two_levels(runs.iter().flat_map(|run| &run.u));
         let rate_clips = runs.iter().any(|run| run.rate_limit.is_finite());
-        Ok(Self { runs, input_unit: first.u_unit, has_rate, has_angle, thinned: 1, two_levels, rate_clips })
+        Ok(Self {
+            runs,
+            input_unit: first.u_unit,
+            has_rate,
+            has_angle,
+            thinned: 1,
+            smoothing: None,
+            two_levels,
+            rate_clips,
+        })
     }
 
     /// What was noticed about the recordings, and what was done to them here.
     pub fn notes(&self, recordings: &[Recording]) -> Vec<String> {
         let mut notes: Vec<String> =
             recordings.iter().flat_map(|r| r.notes.iter().map(|note| note.text.clone())).collect();
+        if let Some(left_out) = self.smoothing.and_then(|smoothing| smoothing.left_out) {
+            notes.push(format!(
+                "{left_out} is not used: it was smoothed both ways in time after it was measured"
+            ));
+        }
         if self.thinned > 1 {
             let rate = 1.0 / self.runs.first().map_or(1.0, |run| run.step);
-            notes.push(format!(
-                "{} samples were averaged into one: the motion is slow against the sampling, and {rate:.0} Hz show it",
-                self.thinned
-            ));
+            let why = match self.is_smoothed() {
+                true => format!(
+                    "the motion was smoothed both ways in time, and {rate:.0} Hz hold what is left of it"
+                ),
+                false => format!("the motion is slow against the sampling, and {rate:.0} Hz show it"),
+            };
+            notes.push(format!("{} samples were averaged into one: {why}", self.thinned));
         }
         if self.two_levels {
             let note = "the input has two values: a limit, a dead band, play or a curve of its effect cannot be told from its gain; a third value would show them";
             notes.push(note.into());
         }
         notes
+    }
+
+    /// Whether the outputs know of later inputs, and hold nothing as quick as their rows.
+    pub fn is_smoothed(&self) -> bool {
+        self.smoothing.is_some_and(|smoothing| smoothing.in_use)
     }
 
     /// Where the clock of the first recording stands at its start, s: moments in time are counted from there in the model.
@@ -314,19 +348,19 @@ impl Run {
 
     /// The measured rate; where there is none, central differences of the angle.
     pub fn rate_or_slope(&self) -> Vec<f64> {
-        match (&self.rate, &self.angle) {
-            (Some(rate), _) => rate.clone(),
-            (None, Some(angle)) => {
-                let last = angle.len() - 1;
-                (0..=last)
-                    .map(|k| {
-                        let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
-                        (angle[b] - angle[a]) / ((b - a).max(1) as f64 * self.step)
-                    })
-                    .collect()
-            }
-            (None, None) => vec![0.0; self.len()],
-        }
+        let slope = || self.slope_of_angle().unwrap_or_else(|| vec![0.0; self.len()]);
+        self.rate.clone().unwrap_or_else(slope)
+    }
+
+    /// Central differences of the measured angle.
+    fn slope_of_angle(&self) -> Option<Vec<f64>> {
+        let angle = self.angle.as_ref()?;
+        let last = angle.len().checked_sub(1)?;
+        let slope = |k: usize| {
+            let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
+            (angle[b] - angle[a]) / ((b - a).max(1) as f64 * self.step)
+        };
+        Some((0..=last).map(slope).collect())
     }
 
     /// The measured angle; where there is none, the sum of the rate less its mean.

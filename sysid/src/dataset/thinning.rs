@@ -14,13 +14,15 @@ const LEADING_ROWS: f64 = 0.75;
 
 impl Dataset {
     /// Averages blocks of samples where they are much denser than the motion is fast, down to [`THINNED_STEP`] at the
-    /// most: at a high rate the one-step prediction sees the sensors' filters and clocks instead of the dynamics.
+    /// most, or where [smoothing](super::smoothed) has left no news in each of them: at a high rate the one-step prediction sees the sensors' filters and clocks instead of the dynamics.
     /// Averaging is linear and the same for input and outputs, so it leaves a linear model as it is.
     pub(super) fn thin(&mut self) {
         let Some(step) = self.runs.first().map(|run| run.step) else { return };
         let rates: Vec<Vec<f64>> = self.runs.iter().map(Run::rate_or_slope).collect();
         let most = (THINNED_STEP / step + 1e-6) as usize;
-        self.average((decorrelation(&rates) / SAMPLES_PER_DECORRELATION).min(most));
+        let enough = (decorrelation(&rates) / SAMPLES_PER_DECORRELATION).min(most).max(1);
+        let rows = self.leave_out_smoothed(enough);
+        self.average(enough * rows);
     }
 
     pub(super) fn average(&mut self, factor: usize) {

@@ -84,10 +84,10 @@ pub fn shared_by(axes: &[AxisRecordings]) -> Result<Option<SharedTerm>, Error> {
 }
 
 /// The baseline of an axis that its input moves, and its fit; `None` where the data cannot tell what the input does: it changes
-/// too little, or a controller turns it with the motion and nothing else does.
+/// too little, or a controller turns it with the motion and nothing else does; or where a lag cannot be told from smoothing.
 fn excited(axis: &AxisRecordings, data: &Dataset, baseline: &Baseline) -> Option<(Baseline, Fit)> {
     let free = Problem::new(data, baseline, &[]);
-    if !data.input_changes() || too_little(&free).is_some() {
+    if !data.input_changes() || data.is_smoothed() || too_little(&free).is_some() {
         return None;
     }
     let fit = fit_baseline(&free)?;

@@ -11,6 +11,7 @@
 use super::another_zero::{about_another_zero, about_zero};
 use super::change_point::best_moment;
 use super::excerpt::{carried, excerpt};
+use super::input_hold::shapes_the_answer;
 use super::levels::{MOST_TERMS, PLAUSIBLE};
 use super::posterior::{Selection, Visited, is_shape};
 use super::prior::log_prior;
@@ -53,13 +54,17 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// Those of `catalogue` that apply and that the baseline lacks, and all shapes.
+    /// Those of `catalogue` that apply and that the baseline lacks, and all shapes; where the outputs were smoothed, none that they
+    /// are like.
     pub fn new(problem: &Problem<'_>, catalogue: &[&'static dyn Effect]) -> Self {
         let known =
             |e: &dyn Effect| problem.baseline.terms.iter().any(|term| term.effect.about().id == e.about().id);
-        let applies = |e: &&'static dyn Effect| e.applies(problem.baseline, problem.data) && !known(*e);
+        let hidden = |e: &dyn Effect| problem.data.is_smoothed() && shapes_the_answer(e);
+        let applies =
+            |e: &&'static dyn Effect| e.applies(problem.baseline, problem.data) && !known(*e) && !hidden(*e);
         let named = catalogue.iter().copied().filter(applies).collect();
-        Self { named, shapes: SHAPES.iter().map(|&s| s as &'static dyn Effect).collect() }
+        let shapes = SHAPES.iter().map(|&s| s as &'static dyn Effect).filter(|e| !hidden(*e)).collect();
+        Self { named, shapes }
     }
 
     /// The named ones that begin to act at some moment.

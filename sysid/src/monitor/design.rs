@@ -56,6 +56,15 @@ pub struct Design {
 pub fn design(recordings: &[Recording], model: Option<&ModelFile>) -> Result<Design, Error> {
     let data = Dataset::new(recordings)?;
     let baseline = Baseline { delay_free: true, ..Baseline::new(model, &data)? };
+    if data.smoothing.is_some() {
+        let found =
+            "no monitor can be made: the outputs were smoothed both ways in time after they were measured";
+        return Err(Error::new(
+            ErrorKind::Column,
+            found,
+            "give the rate as the board has it: the monitor follows that",
+        ));
+    }
     if !data.has_rate {
         let found = "no monitor can be made: the pitch rate is not in the recording";
         return Err(Error::new(ErrorKind::Column, found, "record it: the monitor follows the rate"));

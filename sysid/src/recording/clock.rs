@@ -27,6 +27,8 @@ const SNAP: f64 = 0.05;
 const ROUNDING: f64 = 1e-4;
 /// Relative difference of two steps that is the rounding of the sums alone.
 const SAME_STEP: f64 = 1e-10;
+/// Step, s, below which rows may be that far apart in truth.
+const SLOW: f64 = 2.0;
 /// Steps, s, that a rig of this kind can have: 100 kHz to 2 Hz.
 const STEPS: Range<f64> = 1e-5..0.5;
 /// Notes of one kind that are written out; the rest are counted.
@@ -162,6 +164,10 @@ fn check_step(table: &Table, step: f64) -> Result<(), Error> {
         |unit: &str, factor| format!("this looks like {unit}: read it with {}", table.time.scaled_by(factor));
     let advice = match step {
         s if s < STEPS.start => "check the unit of the time stamps: they must be seconds".to_owned(),
+        s if s < SLOW => format!(
+            "if the stamps are milliseconds, read it with {}; rows so far apart in seconds are too few to tell a lag or a delay",
+            table.time.scaled_by(1e-3)
+        ),
         s if s < 500.0 => scaled("milliseconds", 1e-3),
         s if s < 5e5 => scaled("microseconds", 1e-6),
         _ => scaled("nanoseconds", 1e-9),

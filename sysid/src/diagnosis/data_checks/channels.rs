@@ -1,6 +1,7 @@
 //! Clock, saturation and dead channels: what reading the recordings brought to light, and what it did not.
 
 use super::{DataCheck, Gravity, joined};
+use crate::dataset::Dataset;
 use crate::estimate::digits;
 use crate::recording::plateaus::plateaus;
 use crate::recording::{NoteKind, Recording};
@@ -101,6 +102,39 @@ fn takes_few_values(signal: &[f64]) -> bool {
         }
         values.len() <= LEVELS
     })
+}
+
+/// Outputs that were smoothed both ways in time.
+pub fn smoothing(data: &Dataset) -> DataCheck {
+    const CAUSE: &str = "smoothing";
+    let Some(found) = data.smoothing else {
+        return DataCheck::ruled_out(
+            CAUSE,
+            "no output follows from its rows before as one does that was smoothed both ways in time",
+        );
+    };
+    const HOW: &str =
+        "smoothed both ways in time after it was measured (a spline, a filter run forwards and backwards";
+    let left_out = found.left_out.map(|output| format!("{output} was {HOW}), and is left out"));
+    if !found.in_use {
+        return DataCheck::found(CAUSE, Gravity::Told, left_out.unwrap_or_default());
+    }
+    let step = data.runs.first().map_or(0.0, |run| run.step);
+    let words = format!(
+        "the motion was {HOW}; a simulation without noise is like that too), and moves before its cause: {} samples were averaged \
+         into one of {} s, no lag, slew or mode is asked for that it would hide, and gain and damping are those of the smoothed motion; \
+         better give the log as it was measured",
+        data.thinned,
+        digits(step)
+    );
+    if found.left_out.is_some() {
+        return DataCheck::found(
+            CAUSE,
+            Gravity::Headline,
+            format!("{words}; so was the angle, which is left out"),
+        );
+    }
+    DataCheck::found(CAUSE, Gravity::Headline, words)
 }
 
 /// Signals that do not move.

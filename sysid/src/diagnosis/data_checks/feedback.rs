@@ -45,13 +45,15 @@ pub struct Loops {
     new_between: bool,
     /// Whether rows were asked as they were logged.
     asked_as_logged: bool,
+    /// Whether the outputs were smoothed both ways in time.
+    smoothed: bool,
 }
 
 impl Loops {
     /// Tests the sections that claim to be open loop, the rows of the supervisor left out.
     pub fn new(recordings: &[Recording], problem: &Problem<'_>, fit: &Fit) -> Self {
         let averaged = problem.data.thinned;
-        let mut loops = Self { averaged, ..Self::default() };
+        let mut loops = Self { averaged, smoothed: problem.data.is_smoothed(), ..Self::default() };
         let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
         let Some(innovations) = innovations(problem, &unpacked) else { return loops };
         let places = problem.data.places();
@@ -72,6 +74,9 @@ impl Loops {
             }
             entered += count;
             rows += place.rows.len();
+            if loops.smoothed {
+                continue;
+            }
             let u = &run.u[place.rows.clone()];
             let motion: Vec<Output> =
                 place.rows.clone().map(|k| [rates[place.run][k], angles[place.run][k]]).collect();
@@ -126,7 +131,7 @@ impl Loops {
     /// Whether some section is closed, by design or as found, and none was found to be open loop.
     pub fn all_closed(&self) -> bool {
         let asked = !self.closed.is_empty() || !self.tests.is_empty();
-        asked && !self.any_open()
+        asked && !self.smoothed && !self.any_open()
     }
 
     /// In words.
@@ -164,7 +169,12 @@ impl Loops {
             labels => format!("; a closed loop by design: {}", labels.join(", ")),
         };
         let Some(least) = self.tests.iter().map(|(_, test)| test.p_value).min_by(f64::total_cmp) else {
-            return DataCheck::cannot_tell(FEEDBACK, format!("no section that could be tested{by_design}"));
+            let reason = if self.smoothed {
+                "the outputs were smoothed both ways in time, and know of later inputs by that"
+            } else {
+                "no section that could be tested"
+            };
+            return DataCheck::cannot_tell(FEEDBACK, format!("{reason}{by_design}"));
         };
         let mut undecided: Vec<String> =
             self.dwells.iter().filter(|(_, p)| *p < self.limit()).map(|(label, _)| called(label)).collect();
@@ -233,8 +243,9 @@ fn asked_as_logged(
     effect: f64,
 ) -> Option<Test> {
     let rows = logged_rows(recording, run, place, averaged);
-    let motion: Vec<&[f64]> =
-        [&recording.q, &recording.theta].into_iter().flatten().map(|signal| &signal[rows.clone()]).collect();
+    let in_use =
+        [run.rate.as_ref().and(recording.q.as_ref()), run.angle.as_ref().and(recording.theta.as_ref())];
+    let motion: Vec<&[f64]> = in_use.into_iter().flatten().map(|signal| &signal[rows.clone()]).collect();
     let counts: Vec<bool> = recording.supervised[rows.clone()].iter().map(|supervised| !supervised).collect();
     own_rows::answers(&recording.u[rows], &motion, &counts, effect)
 }

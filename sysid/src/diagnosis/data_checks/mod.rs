@@ -4,6 +4,7 @@
 //! | cause | asked of |
 //! | --- | --- |
 //! | `clock`, `saturation`, `dead_channel` | the recordings (`channels`) |
+//! | `smoothing` | whether each row brings news (`channels`) |
 //! | `rate_sign`, `rate_unit` | the rate's integral against the angle (`motion`) |
 //! | `input_sign`, `input_unit` | ∂M/∂u as fitted against the user's model (`input`) |
 //! | `delay`, `input_hold` | the likelihood, the delay set free (`timing`) |
@@ -23,9 +24,10 @@ mod timing;
 use super::answer::{Answer, Location, Verdict};
 use super::estimates::estimates_of;
 use super::questions::questions;
-use crate::dataset::Dataset;
-use crate::likelihood::fit::Fit;
+use crate::dataset::{Dataset, Run};
+use crate::likelihood::fit::{Fit, fit_baseline};
 use crate::likelihood::problem::Problem;
+use crate::model::baseline::Baseline;
 use crate::model::effect::Locus;
 use crate::recording::{NoteKind, Recording};
 pub use feedback::{FEEDBACK, Loops};
@@ -101,6 +103,7 @@ pub fn of_recordings(recordings: &[Recording], data: &Dataset, dm_du: Option<f64
         channels::clock(recordings),
         channels::saturation(recordings),
         channels::dead(recordings),
+        channels::smoothing(data),
         motion::sign(recordings, data, dm_du),
         motion::unit(recordings),
     ]
@@ -127,14 +130,34 @@ pub fn of_fit(
     ]
 }
 
+/// A motion that is over within so many rows of its cause is more like what a controller makes of it.
+const QUICK_ROWS: f64 = 4.0;
+/// Rows for which a command that was decided beforehand keeps a value at least, in the mean.
+const HELD_ROWS: usize = 2;
+
 /// Whether `fit` has the motion come before the input, by more than averages over a row make of it, and the loop is closed: the
 /// fit is that of the controller then.
+///
+/// Such a fit tells the controller's answer itself, and what it leaves does not show that. Where the input has another value in each row and the
+/// motion settles within a few of them, as a command does that is made of the motion and an airframe hardly can, the loop is asked
+/// with the input first as well: the answer to a quick rig under a random input whose stamps are off is then humbler than it need be.
+/// Otherwise stamps that are off are the simpler answer.
 pub fn is_of_the_controller(recordings: &[Recording], problem: &Problem<'_>, fit: &Fit) -> bool {
     let delay = fit.delay(problem);
     let within_a_row = 0.5 * (1.0 - 1.0 / problem.data.thinned as f64) * problem.sizes.step;
-    !problem.baseline.input_first
-        && (delay < -within_a_row || delay <= problem.earliest())
-        && Loops::new(recordings, problem, fit).all_closed()
+    if problem.baseline.input_first || delay >= -within_a_row && delay > problem.earliest() {
+        return false;
+    }
+    let plant = problem.unpack(&fit.effects, &fit.minimum.values).plant;
+    let is_quick = -plant.dm_dq * QUICK_ROWS * problem.sizes.step > plant.inertia;
+    let is_held = |run: &Run| run.leads || run.holds_longer_than(HELD_ROWS);
+    let with_the_input_first = || {
+        let baseline = Baseline { input_first: true, ..problem.baseline.clone() };
+        let first = Problem::new(problem.data, &baseline, &[]);
+        fit_baseline(&first).is_some_and(|fit| Loops::new(recordings, &first, &fit).all_closed())
+    };
+    Loops::new(recordings, problem, fit).all_closed()
+        || is_quick && !problem.data.runs.iter().all(is_held) && with_the_input_first()
 }
 
 /// Whether the loop is closed and `fit`, with the input first, has the motion follow without any delay: nothing but the controller

@@ -1,5 +1,7 @@
 use super::fixture::{Flight, GAIN, fitted, flight, flown, held_in_the_air, model, normal, read};
 use super::*;
+use crate::diagnosis::answer::Verdict;
+use crate::diagnosis::diagnose;
 use crate::likelihood::fit::{Fit, fit_baseline};
 use crate::model::baseline::Baseline;
 use rand::SeedableRng;
@@ -122,7 +124,7 @@ fn sign_and_unit_of_the_input_are_those_of_the_fitted_gain() {
 fn the_delay_that_the_data_want_is_told_in_samples() {
     let asked = |delay: f64| {
         let recording = flight(1, 0.0).recording();
-        let found = crate::diagnosis::diagnose(&[recording], Some(&model(GAIN, delay)), &|_| ()).unwrap();
+        let found = diagnose(&[recording], Some(&model(GAIN, delay)), &|_| ()).unwrap();
         found.answer.data_checks.into_iter().find(|c| c.cause == "delay").unwrap()
     };
     let right = asked(0.06);
@@ -172,6 +174,76 @@ fn a_controller_that_answers_within_the_row_is_not_taken_for_the_plant() {
     let fit = fit_baseline(&problem).unwrap();
     let gain = fit.minimum.values[1] * 0.17 / GAIN;
     assert!((0.7..1.4).contains(&gain), "{gain}");
+}
+
+/// At 12 ms, what a quadrotor's controller makes of the rate, a row late in part, of its filtered slope, and of the angle.
+fn held_a_row_late(seed: u64) -> Recording {
+    const STEP: f64 = 0.012;
+    let mut random = Pcg64::seed_from_u64(seed);
+    let (mut rate, mut angle, mut air, mut slope) = (0.0, 0.0, 0.0, 0.0);
+    let (mut u, mut q): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+    let mut text = String::from("t_s,u_norm,q_rad_s\n");
+    for k in 0..500_usize {
+        let measured = rate + 0.02 * normal(&mut random);
+        let before = *q.last().unwrap_or(&0.0);
+        slope = 0.8 * slope + 0.2 * (measured - before) / STEP * 0.1;
+        q.push(measured);
+        u.push(-0.1 * (0.7 * before + 0.3 * measured + 0.1 * slope + angle) + 0.002 * normal(&mut random));
+        text.push_str(&format!("{:.3},{:.5},{measured:.5}\n", STEP * k as f64, u[k]));
+        air = 0.93 * air + 1.5 * normal(&mut random);
+        rate += STEP * (130.0 * if k < 2 { 0.0 } else { u[k - 2] } + air);
+        angle += STEP * rate;
+    }
+    read(&text)
+}
+
+#[test]
+fn a_motion_that_leads_is_of_the_controller_where_no_stamps_explain_it() {
+    let baseline_of = |recording: &Recording| {
+        let recordings = [recording.clone()];
+        let data = Dataset::new(&recordings).unwrap();
+        let baseline = Baseline::from_data(&data);
+        let problem = Problem::new(&data, &baseline, &[]);
+        let fit = fit_baseline(&problem).unwrap();
+        let leads = fit.delay(&problem) < -0.4 * problem.sizes.step;
+        let unseen = !Loops::new(&recordings, &problem, &fit).all_closed();
+        (leads, unseen, is_of_the_controller(&recordings, &problem, &fit))
+    };
+    let all: Vec<_> = (0..12).map(|seed| baseline_of(&held_a_row_late(seed))).collect();
+    assert!(all.iter().all(|(leads, _, found)| !leads || *found), "{all:?}");
+    assert!(all.iter().any(|(leads, unseen, _)| *leads && *unseen), "{all:?}");
+    for seed in 1..4 {
+        let mut late = flight(seed, 0.0);
+        late.u.rotate_right(4);
+        let (leads, _, found) = baseline_of(&late.recording());
+        assert!(leads && !found, "{seed}");
+    }
+}
+
+#[test]
+fn of_a_motion_that_was_smoothed_no_lag_is_named_and_no_loop_told() {
+    let smooth = |signal: &[f64]| {
+        let once = |s: Vec<f64>| -> Vec<f64> {
+            let at = |k: usize| s[k.min(s.len() - 1)];
+            (0..s.len()).map(|k| 0.25 * at(k.saturating_sub(1)) + 0.5 * at(k) + 0.25 * at(k + 1)).collect()
+        };
+        (0..12).fold(signal.to_vec(), |signal, _| once(signal))
+    };
+    for seed in 1..4 {
+        let flown = flight(seed, 0.0);
+        // a section that is closed by design says nothing of one that was not asked
+        let section = if seed == 3 { "IV" } else { flown.section };
+        let smoothed = Flight { q: smooth(&flown.q), theta: smooth(&flown.theta), section, ..flown };
+        let answer = diagnose(&[smoothed.recording()], None, &|_| {}).unwrap().answer;
+        let gain = answer.fit.extended.parameters.iter().find(|p| p.name == "dM_du").unwrap().value;
+        let share = gain / (GAIN / 0.1705);
+        assert!((0.6..1.6).contains(&share), "{seed}: {share}");
+        assert!(answer.summary.contains("smoothed both ways in time"), "{}", answer.summary);
+        let named: Vec<_> = answer.effects.iter().map(|e| e.id.as_str()).collect();
+        assert!(!matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous), "{seed}: {named:?}");
+        let state = |cause: &str| answer.data_checks.iter().find(|c| c.cause == cause).unwrap().state;
+        assert_eq!([state("smoothing"), state("feedback")], [State::Found, State::CannotTell], "{seed}");
+    }
 }
 
 #[test]
@@ -282,10 +354,9 @@ fn dead_channels_are_told() {
 fn a_cause_that_stops_leaves_no_physics_in_the_answer() {
     let sound = flight(1, 0.0);
     let reversed = Flight { q: scaled(&sound.q, -1.0), ..sound };
-    let found =
-        crate::diagnosis::diagnose(&[reversed.recording()], Some(&model(GAIN, 0.06)), &|_| ()).unwrap();
+    let found = diagnose(&[reversed.recording()], Some(&model(GAIN, 0.06)), &|_| ()).unwrap();
     let answer = found.answer;
-    assert_eq!((answer.verdict, answer.data_checks.len()), (Verdict::CheckData, 10));
+    assert_eq!((answer.verdict, answer.data_checks.len()), (Verdict::CheckData, 11));
     assert!(answer.effects.is_empty() && answer.remainder.is_none());
     assert!(answer.summary.contains("the rate is reversed"), "{}", answer.summary);
     assert!(answer.summary.starts_with("The angle theta_rad falls"), "{}", answer.summary);

@@ -31,6 +31,10 @@ const EXTRA: &str = "extra_delay";
 pub fn delay(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
     let samples = |s: f64| format!("{:.2} samples", s / problem.sizes.step);
     let model = problem.baseline.plant.delay;
+    if problem.data.is_smoothed() {
+        let words = "the outputs were smoothed both ways in time, and may move before their cause by that";
+        return DataCheck::cannot_tell(DELAY, words);
+    }
     if problem.baseline.delay_free {
         let found = estimates_of(problem, fit).into_iter().find(|e| e.name == DELAY);
         // Within half a sample no stamp need be off.
