@@ -138,10 +138,15 @@ fn cell(before: &str, after: &str, changed: bool) -> Markup {
 }
 
 fn fit(rows: &[FitRow], changed: bool) -> Markup {
-    let horizons: Vec<&str> = rows
-        .first()
-        .map(|row| row.horizons.iter().map(|[seconds, ..]| seconds.as_str()).collect())
-        .unwrap_or_default();
+    // a short section has none of the long ones
+    let longest = rows.iter().map(|row| &row.horizons).max_by_key(|horizons| horizons.len());
+    let horizons: Vec<&str> = longest.into_iter().flatten().map(|[seconds, ..]| seconds.as_str()).collect();
+    let told = |row: &FitRow, seconds: &str| {
+        row.horizons
+            .iter()
+            .find(|[own, ..]| own == seconds)
+            .map_or_else(|| cell("–", "–", changed), |[_, before, after]| cell(before, after, changed))
+    };
     html! {
         @if !rows.is_empty() {
             h2 { "How well the motion is predicted" }
@@ -154,7 +159,7 @@ fn fit(rows: &[FitRow], changed: bool) -> Markup {
                 } }
                 tbody { @for row in rows { tr {
                     td { (row.section) }
-                    @for [_, before, after] in &row.horizons { (cell(before, after, changed)) }
+                    @for seconds in &horizons { (told(row, seconds)) }
                     (cell(&row.baseline, &row.extended, changed))
                     td .n.soft { (row.ceiling) }
                 } } }
@@ -275,6 +280,32 @@ fn experiment(next: &NextExperiment) -> Markup {
                 " from " strong { (next.separates[1]) } "."
             }
             p .soft.small { (next.why) }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_section_too_short_for_a_horizon_has_a_dash_there() {
+        let row = |section: &str, horizons: &[&str]| FitRow {
+            section: section.into(),
+            baseline: "1".into(),
+            extended: "2".into(),
+            horizons: horizons.iter().map(|s| [*s, "3", "4"].map(str::to_owned)).collect(),
+            near_baseline: String::new(),
+            near_extended: String::new(),
+            ceiling: "5".into(),
+        };
+        for changed in [false, true] {
+            let rows = [row("a", &["0.1"]), row("b", &["0.1", "1.0"])];
+            let table = fit(&rows, changed).into_string();
+            assert!(table.contains("0.1 s ahead") && table.contains("1 s ahead"), "{table}");
+            let cells = table.split("<tr>").skip(1).map(|row| row.matches("<t").count()).collect::<Vec<_>>();
+            assert_eq!(cells[1..], [5, 5], "{table}");
+            assert_eq!(table.matches('–').count(), if changed { 2 } else { 1 });
         }
     }
 }
