@@ -5,11 +5,11 @@
 //! V(n): what the rows n, 2n, ... 8n before a row do not tell of it, mean square        V ~ n^a
 //! ```
 //!
-//! A moment that is white makes a = 1 of the rate that it moves, one behind a lag, or a command in steps, a = 3, and what a sensor
-//! adds makes it less. Of the recordings of real rigs that this was tried on, none has more than 3.2 from one row to two, and a simulation
-//! without any noise up to 4.2; a smoothed one, whose rows follow from each other to their last digits, has 5 to 12. The likelihood of one row after another is then that of
-//! the smoothing: gains come out at a hundredth of what they are, with narrow intervals. Rows as far apart as news comes are
-//! what was measured.
+//! A moment that is white makes a = 1 of the rate that it moves, one behind a lag, or a command in steps, a = 3, and what a
+//! sensor adds makes it less. Of the recordings of real rigs that this was tried on, none has more than 3.2 from one row to
+//! two, and a simulation without any noise up to 4.2; a smoothed one, whose rows follow from each other to their last digits,
+//! has 5 to 12. The likelihood of one row after another is then that of the smoothing: gains come out at a hundredth of what
+//! they are, with narrow intervals. Rows as far apart as news comes are what was measured.
 
 use super::{Dataset, Run, Smoothing, decorrelation};
 use crate::linalg::least_squares::least_squares;
@@ -25,6 +25,8 @@ const NO_NEWS: f64 = 3.5;
 const FEWEST: usize = 40;
 /// Rows of a run that say enough.
 const ENOUGH: usize = 50_000;
+const RATE: &str = "the rate";
+const ANGLE: &str = "the angle";
 
 impl Dataset {
     /// Leaves out a smoothed output beside one that is not, and of two that are, both made of one measurement, the angle, which hides
@@ -33,33 +35,30 @@ impl Dataset {
         let of = |signal: fn(&Run) -> Option<Vec<f64>>| -> Option<Vec<Vec<f64>>> {
             self.runs.iter().map(signal).collect()
         };
-        let (inputs, rates, slopes) =
-            (of(|run| Some(run.u.clone())), of(|run| run.rate.clone()), of(Run::slope_of_angle));
         let is_smoothed =
             |signals: &Vec<Vec<f64>>| exponent(signals, base, 1).is_some_and(|exponent| exponent > SMOOTHED);
-        // Under an input whose rows follow from each other, as a slow sine's do, so may those of the motion.
-        let is_smooth = inputs.as_ref().is_some_and(is_smoothed);
-        if is_smooth || ![&rates, &slopes].into_iter().flatten().any(is_smoothed) {
+        let (rates, slopes) = (of(|run| run.rate.clone()), of(Run::slope_of_angle));
+        if ![&rates, &slopes].into_iter().flatten().any(is_smoothed) {
             return 1;
         }
-        let rows = |signals: Option<Vec<Vec<f64>>>| signals.map_or(1, |s| rows_between_news(&s, base));
-        let (rate, angle) = (rows(rates), rows(slopes));
-        let without_angle = angle > 1 && self.has_rate;
-        let without_rate = rate > 1 && self.has_angle && !without_angle;
-        if without_angle {
-            self.has_angle = false;
-            self.runs.iter_mut().for_each(|run| run.angle = None);
+        // Under an input whose rows follow from each other, as a slow sine's do, so may those of the motion.
+        if of(|run| Some(run.u.clone())).as_ref().is_some_and(is_smoothed) {
+            return 1;
         }
-        if without_rate {
-            self.has_rate = false;
-            self.runs.iter_mut().for_each(|run| run.rate = None);
-        }
-        let rows = match (self.has_rate, self.has_angle) {
-            (true, _) if rate > 1 => rate.max(angle),
-            (false, true) => angle,
-            _ => 1,
+        let rows = |signals: Option<Vec<Vec<f64>>>| signals.map(|signals| rows_between_news(&signals, base));
+        let (left_out, rows) = match (rows(rates), rows(slopes)) {
+            (Some(rate), Some(angle)) if angle > 1 => {
+                (Some(ANGLE), if rate > 1 { rate.max(angle) } else { 1 })
+            }
+            (Some(rate), Some(_)) => ((rate > 1).then_some(RATE), 1),
+            (rate, angle) => (None, rate.or(angle).unwrap_or(1)),
         };
-        let left_out = if without_angle { Some("the angle") } else { without_rate.then_some("the rate") };
+        self.has_angle &= left_out != Some(ANGLE);
+        self.has_rate &= left_out != Some(RATE);
+        for run in &mut self.runs {
+            run.angle = run.angle.take().filter(|_| self.has_angle);
+            run.rate = run.rate.take().filter(|_| self.has_rate);
+        }
         if left_out.is_some() || rows > 1 {
             self.smoothing = Some(Smoothing { left_out, in_use: rows > 1 });
         }
@@ -81,24 +80,25 @@ fn exponent(signals: &[Vec<f64>], base: usize, rows: usize) -> Option<f64> {
     Some((next / own).ln() / ((rows + 1) as f64 / rows as f64).ln())
 }
 
-/// Mean square of what the rows `apart`, 2 `apart`, ... before a row do not tell of it. Asked by their differences, each in its own
-/// size: of a smooth signal the rows themselves are one and the same.
-fn news(signals: &[Vec<f64>], apart: usize) -> Option<f64> {
-    let differences = |signal: &[f64], k: usize| -> [f64; PAST] {
-        let mut past: [f64; PAST] = core::array::from_fn(|i| signal[k - apart * (i + 1)]);
-        for order in 1..PAST {
-            for i in (order..PAST).rev() {
-                past[i] = past[i - 1] - past[i];
-            }
+/// The row `apart` before row `k`, the difference of that and the one before it, and so on.
+fn differences(signal: &[f64], k: usize, apart: usize) -> [f64; PAST] {
+    let mut past: [f64; PAST] = core::array::from_fn(|i| signal[k - apart * (i + 1)]);
+    for order in 1..PAST {
+        for i in (order..PAST).rev() {
+            past[i] = past[i - 1] - past[i];
         }
-        past
-    };
+    }
+    past
+}
+
+/// Mean square of what the rows `apart`, 2 `apart`, ... before a row do not tell of it. Asked by their differences, each in
+/// its own size: of a smooth signal the rows themselves are one and the same.
+fn news(signals: &[Vec<f64>], apart: usize) -> Option<f64> {
     let rows = || {
-        let of = |signal: &'_ Vec<f64>| -> Vec<([f64; PAST], f64)> {
-            let row = |k: usize| (differences(signal, k), signal[k] - signal[k - apart]);
-            (PAST * apart..signal.len().min(ENOUGH)).map(row).collect()
-        };
-        signals.iter().flat_map(of)
+        signals.iter().flat_map(|signal| {
+            let row = move |k: usize| (differences(signal, k, apart), signal[k] - signal[k - apart]);
+            (PAST * apart..signal.len().min(ENOUGH)).map(row)
+        })
     };
     let (mut count, mut squares) = (0_usize, [0.0; PAST]);
     for (past, _) in rows() {
@@ -121,44 +121,10 @@ fn news(signals: &[Vec<f64>], apart: usize) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{ReadOptions, parse};
-    use rand::{RngExt, SeedableRng};
-    use rand_pcg::Pcg64;
+    use crate::diagnosis::data_checks::fixture::{Flight, STEP, flight, read, smoothed};
 
-    const STEP: f64 = 0.02;
-
-    /// Rate and angle of a vehicle that switches of the input and the air move, as a gyro and a horizon show them.
-    fn flown(seed: u64) -> [Vec<f64>; 2] {
-        let mut random = Pcg64::seed_from_u64(seed);
-        let mut noise = |size: f64| size * (0..12).map(|_| random.random::<f64>() - 0.5).sum::<f64>();
-        let (mut rate, mut angle, mut air) = (0.0, 0.0, 0.0);
-        let row = |k: usize| {
-            air = 0.9 * air + noise(0.4);
-            rate += STEP * (level(k) - 2.0 * rate + air);
-            angle += STEP * rate;
-            (rate + noise(0.01), angle + noise(0.003))
-        };
-        let (rates, angles) = (0..2000).map(row).unzip();
-        [rates, angles]
-    }
-
-    fn level(k: usize) -> f64 {
-        if (k / 17 + k / 41).is_multiple_of(2) { 2.0 } else { -2.0 }
-    }
-
-    fn read([rate, angle]: [&[f64]; 2]) -> Dataset {
-        let row = |k: usize| format!("{:.2},{},{},{}\n", STEP * k as f64, level(k), rate[k], angle[k]);
-        let text = "t_s,u_N_m,q_rad_s,theta_rad\n".to_owned() + &(0..rate.len()).map(row).collect::<String>();
-        Dataset::new(&[parse("flight.csv", text.as_bytes(), &ReadOptions::default()).unwrap()]).unwrap()
-    }
-
-    /// Means over the rows about each, with binomial weights.
-    fn smoothed(signal: &[f64]) -> Vec<f64> {
-        let once = |s: Vec<f64>| -> Vec<f64> {
-            let next = |k: usize| s[(k + 1).min(s.len() - 1)];
-            (0..s.len()).map(|k| 0.25 * s[k.saturating_sub(1)] + 0.5 * s[k] + 0.25 * next(k)).collect()
-        };
-        (0..12).fold(signal.to_vec(), |signal, _| once(signal))
+    fn data(flight: &Flight) -> Dataset {
+        Dataset::new(&[flight.recording()]).unwrap()
     }
 
     /// The signal behind a filter of two poles, as a board runs it.
@@ -178,31 +144,32 @@ mod tests {
     #[test]
     fn neither_a_flight_nor_what_a_board_filters_was_smoothed() {
         for seed in 1..6 {
-            let [rate, angle] = flown(seed);
-            assert_eq!(read([&rate, &angle]).smoothing, None, "{seed}");
-            assert_eq!(read([&filtered(&rate), &filtered(&angle)]).smoothing, None, "{seed}");
+            let flown = flight(seed, 0.0);
+            assert_eq!(data(&flown).smoothing, None, "{seed}");
+            let boards = Flight { q: filtered(&flown.q), theta: filtered(&flown.theta), ..flown };
+            assert_eq!(data(&boards).smoothing, None, "{seed}");
         }
     }
 
     #[test]
     fn a_simulation_without_noise_under_steps_or_a_slow_sine_was_not_smoothed() {
+        let steps = |k: usize| if (k / 17 + k / 41).is_multiple_of(2) { 2.0 } else { -2.0 };
         let sine = |k: usize| (0.05 * k as f64).sin();
-        for input in [&level as &dyn Fn(usize) -> f64, &sine] {
+        for input in [&steps as &dyn Fn(usize) -> f64, &sine] {
             let (mut rate, mut text) = (0.0, String::from("t_s,u_N_m,q_rad_s\n"));
             for k in 0..2000 {
                 text.push_str(&format!("{:.2},{},{rate}\n", STEP * k as f64, input(k)));
                 rate += STEP * (input(k) - 2.0 * rate);
             }
-            let recording = parse("flight.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
-            assert_eq!(Dataset::new(&[recording]).unwrap().smoothing, None);
+            assert_eq!(Dataset::new(&[read(&text)]).unwrap().smoothing, None);
         }
     }
 
     #[test]
     fn rows_that_follow_from_each_other_are_made_one() {
         for seed in 1..4 {
-            let [rate, angle] = flown(seed);
-            let data = read([&smoothed(&rate), &smoothed(&angle)]);
+            let flown = flight(seed, 0.0);
+            let data = data(&Flight { q: smoothed(&flown.q), theta: smoothed(&flown.theta), ..flown });
             assert_eq!(
                 data.smoothing,
                 Some(Smoothing { left_out: Some("the angle"), in_use: true }),
@@ -214,11 +181,11 @@ mod tests {
 
     #[test]
     fn an_output_that_was_smoothed_is_left_out_beside_one_that_was_not() {
-        let [rate, angle] = flown(1);
-        let of_rate = read([&smoothed(&rate), &angle]);
+        let flown = flight(1, 0.0);
+        let of_rate = data(&Flight { q: smoothed(&flown.q), ..flown.clone() });
         assert_eq!(of_rate.smoothing, Some(Smoothing { left_out: Some("the rate"), in_use: false }));
         assert!(!of_rate.has_rate && of_rate.has_angle && of_rate.thinned == 1);
-        let of_angle = read([&rate, &smoothed(&angle)]);
+        let of_angle = data(&Flight { theta: smoothed(&flown.theta), ..flown });
         assert_eq!(of_angle.smoothing, Some(Smoothing { left_out: Some("the angle"), in_use: false }));
         assert!(of_angle.has_rate && !of_angle.has_angle);
     }

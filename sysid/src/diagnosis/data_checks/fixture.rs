@@ -82,6 +82,15 @@ impl Flight {
     }
 }
 
+/// Means over the rows about each, with binomial weights.
+pub fn smoothed(signal: &[f64]) -> Vec<f64> {
+    let once = |s: Vec<f64>| -> Vec<f64> {
+        let next = |k: usize| s[(k + 1).min(s.len() - 1)];
+        (0..s.len()).map(|k| 0.25 * s[k.saturating_sub(1)] + 0.5 * s[k] + 0.25 * next(k)).collect()
+    };
+    (0..12).fold(signal.to_vec(), |signal, _| once(signal))
+}
+
 pub fn read(text: &str) -> Recording {
     parse("flight.csv", text.as_bytes(), &ReadOptions::default()).unwrap()
 }

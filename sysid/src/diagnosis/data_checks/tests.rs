@@ -1,4 +1,4 @@
-use super::fixture::{Flight, GAIN, fitted, flight, flown, held_in_the_air, model, normal, read};
+use super::fixture::{Flight, GAIN, fitted, flight, flown, held_in_the_air, model, normal, read, smoothed};
 use super::*;
 use crate::diagnosis::answer::Verdict;
 use crate::diagnosis::diagnose;
@@ -222,19 +222,12 @@ fn a_motion_that_leads_is_of_the_controller_where_no_stamps_explain_it() {
 
 #[test]
 fn of_a_motion_that_was_smoothed_no_lag_is_named_and_no_loop_told() {
-    let smooth = |signal: &[f64]| {
-        let once = |s: Vec<f64>| -> Vec<f64> {
-            let at = |k: usize| s[k.min(s.len() - 1)];
-            (0..s.len()).map(|k| 0.25 * at(k.saturating_sub(1)) + 0.5 * at(k) + 0.25 * at(k + 1)).collect()
-        };
-        (0..12).fold(signal.to_vec(), |signal, _| once(signal))
-    };
     for seed in 1..4 {
         let flown = flight(seed, 0.0);
         // a section that is closed by design says nothing of one that was not asked
         let section = if seed == 3 { "IV" } else { flown.section };
-        let smoothed = Flight { q: smooth(&flown.q), theta: smooth(&flown.theta), section, ..flown };
-        let answer = diagnose(&[smoothed.recording()], None, &|_| {}).unwrap().answer;
+        let flown = Flight { q: smoothed(&flown.q), theta: smoothed(&flown.theta), section, ..flown };
+        let answer = diagnose(&[flown.recording()], None, &|_| {}).unwrap().answer;
         let gain = answer.fit.extended.parameters.iter().find(|p| p.name == "dM_du").unwrap().value;
         let share = gain / (GAIN / 0.1705);
         assert!((0.6..1.6).contains(&share), "{seed}: {share}");
