@@ -19,6 +19,13 @@ impl RateAndAngle {
     pub(crate) fn slope(&self) -> f64 {
         self.of_angle / self.of_rate
     }
+
+    /// Between these the slope lies: of a regression on the rate, which noise and a lag of the angle flatten and a lag of the
+    /// gyro does not, and of one on the angle, the other way round.
+    pub(crate) fn slopes(&self) -> [f64; 2] {
+        let correlation = self.correlation.abs();
+        [self.slope() * correlation, self.slope() / correlation]
+    }
 }
 
 /// Compares over consecutive windows of `over` s within `segments`; `None` where there are fewer than five windows, or

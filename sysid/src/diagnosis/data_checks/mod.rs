@@ -105,7 +105,7 @@ pub fn of_recordings(recordings: &[Recording], data: &Dataset, dm_du: Option<f64
         channels::dead(recordings),
         channels::smoothing(data),
         motion::sign(recordings, data, dm_du),
-        motion::unit(recordings),
+        motion::unit(recordings, data),
     ]
 }
 

@@ -19,6 +19,10 @@ const CLEAR: f64 = 0.8;
 const NEAR: f64 = 0.4;
 /// Ratios that a wrong gain of the gyro explains.
 const GAIN_ERROR: f64 = 0.6;
+/// Times that the one moves as far as the other from which no gain explains it.
+const CONTRADICTION: f64 = 2.0;
+/// Ratio of the bounds of that below which it is one factor.
+const ONE_FACTOR: f64 = 1.2;
 const ALONE: &str = "only one of rate and angle was recorded: nothing to compare with";
 
 struct Compared {
@@ -110,16 +114,44 @@ fn reversed(recording: &Recording, compared: &Compared, data: &Dataset, dm_du: O
     )
 }
 
+/// That the one moves so many times as far as the other that no gain of a sensor explains it.
+fn contradiction(recording: &Recording, found: RateAndAngle) -> Option<String> {
+    let [least, most] = found.slopes();
+    let (what, other, [least, most]) = match (least > CONTRADICTION, most < 1.0 / CONTRADICTION) {
+        (true, _) => ("angle theta_rad", "rate", [least, most]),
+        (_, true) => ("rate q_rad_s", "angle", [1.0 / most, 1.0 / least]),
+        _ => return None,
+    };
+    let of = |column: &str, factor: f64| {
+        let rounded = format!("{factor:.2e}").parse().unwrap_or(factor);
+        recording.option_to_scale(column, rounded).unwrap_or_default()
+    };
+    let is_a_unit = most < ONE_FACTOR * least;
+    let read = is_a_unit.then(|| (of("q_rad_s", found.slope()), of("theta_rad", 1.0 / found.slope())));
+    Some(format!(
+        "the {what} moves {} to {} times as far as the {other} says, which is no unit's factor and no sensor's error: they contradict \
+         each other, and with the wrong one the gain is wrong by as much; {}",
+        digits(least),
+        digits(most),
+        read.map_or("leave one out".into(), |(rate, angle)| format!(
+            "where the rate's unit is not known read it with {rate}, where the angle's, with {angle}, or leave one out"
+        ))
+    ))
+}
+
 /// The unit of the rate against the angle's.
-pub fn unit(recordings: &[Recording]) -> DataCheck {
+pub fn unit(recordings: &[Recording], data: &Dataset) -> DataCheck {
     const CAUSE: &str = "rate_unit";
+    let clips = data.runs.iter().any(|run| run.rate_limit.is_finite());
     let clear = |recording: &Recording| compare(recording).filter(|c| c.found.correlation.abs() > CORRELATED);
     let wrong = |recording: &Recording| {
-        let slope = clear(recording)?.found.slope();
+        let found = clear(recording)?.found;
+        let slope = found.slope();
         let near = |factor: f64| (slope / factor).ln().abs() < NEAR;
         let ((what, column), other) = match (near(DEGREES), near(1.0 / DEGREES)) {
             (true, _) => (("angle", "theta_rad"), "rate"),
             (_, true) => (("rate", "q_rad_s"), "angle"),
+            _ if !clips => return contradiction(recording, found),
             _ => return None,
         };
         Some(format!(

@@ -10,7 +10,7 @@ use rand_pcg::Pcg64;
 fn compared(flight: &Flight, dm_du: Option<f64>) -> [DataCheck; 2] {
     let recordings = [flight.recording()];
     let data = Dataset::new(&recordings).unwrap();
-    [motion::sign(&recordings, &data, dm_du), motion::unit(&recordings)]
+    [motion::sign(&recordings, &data, dm_du), motion::unit(&recordings, &data)]
 }
 
 fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
@@ -76,6 +76,21 @@ fn degrees_are_told_from_a_wrong_gain_of_the_gyro() {
     }
     let spoilt = Flight { q: scaled(&sound.q, DEGREES), ..sound };
     assert!(compared(&spoilt, None)[1].words.contains("'q_rad_s=q_rad_s*0.01745329'"));
+}
+
+#[test]
+fn rate_and_angle_that_contradict_each_other_are_told_with_both_factors() {
+    let sound = flight(1, 0.0);
+    let unit = |factor: f64, limit: f64| {
+        let q = sound.q.iter().map(|q| (factor * q).clamp(-limit, limit)).collect();
+        compared(&Flight { q, ..sound.clone() }, None)[1].clone()
+    };
+    for (factor, option) in [(0.2, "'q_rad_s=q_rad_s*5"), (8.0, "'theta_rad=theta_rad*8")] {
+        let told = unit(factor, f64::INFINITY);
+        assert!(told.stops() && told.words.contains(option), "{told:?}");
+    }
+    let fastest = sound.q.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
+    assert!(!unit(1.0, 0.15 * fastest).stops());
 }
 
 #[test]
