@@ -67,6 +67,12 @@ impl Answer {
             && !self.effects.is_empty()
             && self.effects.iter().all(|effect| effect.locus == Locus::Environment)
     }
+
+    /// The model whose values are told: the extended one where a term is.
+    #[must_use]
+    pub fn told(&self) -> &ModelAnswer {
+        if self.effects.is_empty() { &self.fit.baseline } else { &self.fit.extended }
+    }
 }
 
 /// The balance of the means.

@@ -45,8 +45,16 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
     notes.extend(judgement.facts());
     let Judgement { problem, parts, selection, rotation, .. } = judgement;
     let (baseline, extended) = (judgement.baseline(), judgement.extended());
+    // Where no term is told the baseline's values stand for the answer, and what is told as left has its share of them.
+    let tells_shapes = judgement.shapes.len() > judgement.shapes_left().len();
+    let tells_none = judgement.named.is_empty() && !tells_shapes && judgement.gust.is_none();
     let fit = FitAnswer {
-        baseline: model_answer(problem, parts, &selection.visited[selection.baseline], None),
+        baseline: model_answer(
+            problem,
+            parts,
+            &selection.visited[selection.baseline],
+            tells_none.then_some(extended),
+        ),
         extended: model_answer(
             problem,
             parts,

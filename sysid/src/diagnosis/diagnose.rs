@@ -9,6 +9,7 @@ use super::ceiling::ceilings;
 use super::component::Component;
 use super::data_checks::{self, DataCheck, Loops};
 use super::describe::predicts;
+use super::estimates::estimates_of;
 use super::excitation;
 use super::judgement::Judgement;
 use super::left_over::LeftOver;
@@ -201,7 +202,8 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
             "The data cannot tell: the loop is closed, and with the input first the motion still follows without any delay. That is the \
              controller's answer to the motion, not the craft's to the input, which moves too little by itself between two rows. {remedy}."
         );
-        checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));
+        let told = estimates_of(&problem, extended);
+        checks.extend(data_checks::of_fit(recordings, &problem, extended, told, dm_du, &loops));
         return with_checks(
             unanswered(Some(fitted), Verdict::NotExcited, reason, None),
             checks,
@@ -231,21 +233,23 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
             balance.as_ref(),
         );
     }
-    checks.extend(data_checks::of_fit(recordings, &problem, extended, dm_du, &loops));
+    let judgement = Judgement::new(&problem, &parts, selection, loops.any_closed_unsaid(), progress);
+    let found = build(&judgement, notes());
+    let answers = &judgement.selection.visited[judgement.place];
+    let told = found.answer.told().parameters.clone();
+    checks.extend(data_checks::of_fit(recordings, &problem, &answers.fit, told, dm_du, &loops));
     if data_checks::stop(&checks) {
         let location = data_checks::everywhere(&checks, data);
+        let fitted = &judgement.selection.visited[judgement.selection.baseline];
         return with_checks(
             unanswered(Some(fitted), Verdict::CheckData, String::new(), Some(location)),
             checks,
             None,
         );
     }
-    let judgement = Judgement::new(&problem, &parts, selection, loops.any_closed_unsaid(), progress);
-    let found = build(&judgement, notes());
     if closed || !predicts(&found.answer) {
         return with_checks(found, checks, balance.as_ref());
     }
-    let answers = &judgement.selection.visited[judgement.place];
     let tells = model.is_none() && found.answer.fit.predicted == Some(Predicted::Far);
     let lost = if tells { Balance::of_fit(&problem, &answers.fit, &answers.information) } else { None };
     with_checks(found, checks, lost.as_ref())

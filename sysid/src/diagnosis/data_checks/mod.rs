@@ -22,9 +22,9 @@ mod own_rows;
 mod timing;
 
 use super::answer::{Answer, Location, Verdict};
-use super::estimates::estimates_of;
 use super::questions::questions;
 use crate::dataset::{Dataset, Run};
+use crate::estimate::Estimate;
 use crate::likelihood::fit::{Fit, fit_baseline};
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
@@ -109,25 +109,21 @@ pub fn of_recordings(recordings: &[Recording], data: &Dataset, dm_du: Option<f64
     ]
 }
 
-/// What a fit says beyond that; `loops` by its innovations.
+/// What a fit says beyond that, of which `told` is told; `loops` by the innovations.
 pub fn of_fit(
     recordings: &[Recording],
     problem: &Problem<'_>,
     fit: &Fit,
+    told: Vec<Estimate>,
     dm_du: Option<f64>,
     loops: &Loops,
 ) -> Vec<DataCheck> {
     if !problem.data.input_changes() {
         return without_fit("the input never changes").collect();
     }
-    let response = Response::new(recordings, problem, estimates_of(problem, fit), dm_du);
-    vec![
-        response.sign(!loops.any_open()),
-        response.unit(),
-        timing::delay(problem, fit),
-        timing::hold(problem, fit),
-        loops.check(),
-    ]
+    let delay = timing::delay(problem, fit, &told);
+    let response = Response::new(recordings, problem, told, dm_du);
+    vec![response.sign(!loops.any_open()), response.unit(), delay, timing::hold(problem, fit), loops.check()]
 }
 
 /// A motion that is over within so many rows of its cause is more like what a controller makes of it.

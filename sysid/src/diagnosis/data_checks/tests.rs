@@ -2,6 +2,7 @@ use super::fixture::{Flight, GAIN, fitted, flight, flown, held_in_the_air, model
 use super::*;
 use crate::diagnosis::answer::Verdict;
 use crate::diagnosis::diagnose;
+use crate::diagnosis::estimates::estimates_of;
 use crate::likelihood::fit::{Fit, fit_baseline};
 use crate::model::baseline::Baseline;
 use rand::SeedableRng;
@@ -45,7 +46,8 @@ fn a_sound_flight_is_cleared_of_everything() {
         assert_eq!(cause.state, State::RuledOut, "{cause:?}");
     }
     let all = fitted(&recording, &model(GAIN, 0.06), |recordings, problem, fit| {
-        of_fit(recordings, problem, fit, Some(GAIN), &Loops::new(recordings, problem, fit))
+        let told = estimates_of(problem, fit);
+        of_fit(recordings, problem, fit, told, Some(GAIN), &Loops::new(recordings, problem, fit))
     });
     assert_eq!(all.iter().map(|c| c.cause).collect::<Vec<_>>(), OF_FIT);
     assert_eq!(states(&all), [State::RuledOut; 5], "{all:?}");

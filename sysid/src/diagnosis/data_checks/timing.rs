@@ -7,7 +7,7 @@ use super::{DataCheck, Gravity};
 use crate::dataset::Dataset;
 use crate::diagnosis::estimates::estimates_of;
 use crate::diagnosis::input_hold::half_a_sample;
-use crate::estimate::digits;
+use crate::estimate::{Estimate, digits};
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
@@ -27,8 +27,8 @@ const DELAY: &str = "delay";
 const EXTRA: &str = "extra_delay";
 
 /// The delay: the model's against the data's. What other physics explains of a lag is left to it: the delay is asked
-/// beside the effects that were found.
-pub fn delay(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
+/// beside the effects that were found; where no model fixes it, it is the one that is `told`.
+pub fn delay(problem: &Problem<'_>, fit: &Fit, told: &[Estimate]) -> DataCheck {
     let samples = |s: f64| format!("{:.2} samples", s / problem.sizes.step);
     let model = problem.baseline.plant.delay;
     if problem.data.is_smoothed() {
@@ -36,7 +36,7 @@ pub fn delay(problem: &Problem<'_>, fit: &Fit) -> DataCheck {
         return DataCheck::cannot_tell(DELAY, words);
     }
     if problem.baseline.delay_free {
-        let found = estimates_of(problem, fit).into_iter().find(|e| e.name == DELAY);
+        let found = told.iter().find(|e| e.name == DELAY);
         // Within half a sample no stamp need be off.
         return match found {
             Some(found) if found.ci95[1] < -half_a_sample(problem) => DataCheck::found(
