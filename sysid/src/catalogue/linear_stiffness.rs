@@ -12,7 +12,7 @@ impl Effect for LinearStiffness {
         About {
             id: "linear_stiffness",
             locus: Locus::PitchMoment,
-            sentence: "a straight spring pulls back (a torsion wire, rubber, a cable)",
+            sentence: "a straight spring pulls back (a torsion wire, rubber, a cable), or the drive holds a position by itself",
             equation: "M -= k theta",
             variable: "theta",
             condition: "in proportion to the pitch angle, at low frequency",

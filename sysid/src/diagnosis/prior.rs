@@ -7,15 +7,20 @@
 //! A term that says no more than two others together, as friction with another value each way, is believed a tenth as readily as
 //! they are: drives, sensors and weights have offsets on every rig. One that says all but the same as a single other, as a straight
 //! spring over small angles, is believed a hundredth as readily: what hangs on a pivot has its weight, and few a spring. Beside
-//! a spring that stiffens it is believed as readily: that one is straight before it stiffens.
+//! a spring that stiffens it is believed as readily: that one is straight before it stiffens. A weight is believed as far as the body
+//! that it would take ([`log_prior_of_weight`]): a drive that holds a position pulls back over small angles as no weight does.
 //!
 //! What holds a craft aside is no further term: nine in ten such craft have it ([`super::another_zero`]).
 
 use super::another_zero::{holder, log_prior_of_holder, pulls_aside};
 use super::posterior::is_shape;
 use super::selection::Candidates;
+use crate::catalogue::gravity_stiffness::GravityStiffness;
+use crate::catalogue::linear_stiffness::LinearStiffness;
+use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Prior probability that a further term is missing: half for nothing.
 pub const FURTHER_TERM: f64 = 0.5;
@@ -25,6 +30,8 @@ pub const NAMED: f64 = 2.0 / 3.0;
 const RESTATED: f64 = 0.1;
 /// The same against a single one, that is more usual.
 const UNUSUAL: f64 = 0.01;
+/// Acceleration of gravity, m/s².
+const G: f64 = 9.81;
 /// The spring that stiffens.
 const STIFFENS: &str = "cubic_stiffness";
 
@@ -59,13 +66,33 @@ pub fn log_prior(problem: &Problem<'_>, effects: &[&'static dyn Effect], candida
     all - held.iter().map(of).sum::<f64>() + log_prior_of_holder(effects)
 }
 
+/// Radius of gyration of what swings on a rig, m, the middle one, and the spread of its logarithm: arms, rotorcraft and pendulums of
+/// 5 to 20 cm are two in three.
+const RADIUS: [f64; 2] = [0.1, 0.7];
+
+/// ln of the prior odds that a body is as small as the gravity in `fit` asks, m g l/Iyy ≤ g/2r, over the range that a spring has; 0
+/// without gravity.
+pub fn log_prior_of_weight(problem: &Problem<'_>, fit: &Fit) -> f64 {
+    let Some(own) = fit.range_of(problem, GravityStiffness.about().id) else { return 0.0 };
+    let stiffness = fit.minimum.values[own.start].abs() / problem.baseline.plant.inertia;
+    let largest = 0.5 * G / stiffness.max(f64::MIN_POSITIVE);
+    let [middle, spread] = RADIUS;
+    let smaller = Normal::standard().cdf((largest / middle).ln() / spread);
+    let width = |effect: &dyn Effect| {
+        effect.parameters(&problem.sizes).iter().map(|p| p.upper - p.lower).sum::<f64>()
+    };
+    (smaller * width(&GravityStiffness) / width(&LinearStiffness)).ln()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::data_checks::fixture::{flight, flown};
-    use super::super::fixture::{asked, effects};
+    use super::super::data_checks::fixture::{GAIN, flight, flown, model};
+    use super::super::fixture::{asked, effects, flown_by};
     use super::*;
     use crate::catalogue::shapes::SHAPES;
     use crate::catalogue::slow_moment::SlowMoment;
+    use crate::diagnosis::diagnose;
+    use crate::optim::levenberg_marquardt::Minimum;
 
     fn shapes() -> Vec<&'static dyn Effect> {
         SHAPES.iter().map(|&shape| shape as _).collect()
@@ -124,6 +151,47 @@ mod tests {
         assert!((beside("linear_stiffness") - beside("gravity_stiffness")).abs() < 1e-12);
         let alone = Candidates { named: effects(&["linear_stiffness"]), shapes: shapes() };
         assert!((of(&["linear_stiffness"], &alone) - (1.0_f64 / 3.0).ln()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_weight_is_believed_as_far_as_the_body_that_it_would_take() {
+        asked(&flight(1, 0.0), |problem, fit| {
+            let with = |stiffness: f64| {
+                let effects = effects(&["gravity_stiffness"]);
+                let minimum = &fit.minimum;
+                let values = [&minimum.values[..], &[stiffness * problem.baseline.plant.inertia]].concat();
+                let minimum = Minimum { values, ..minimum.clone() };
+                log_prior_of_weight(problem, &Fit { effects, minimum })
+            };
+            assert_eq!(log_prior_of_weight(problem, fit), 0.0);
+            let light = with(1e-9);
+            assert!(light <= 0.0, "no more than a spring's range: {light}");
+            // g/2r is 49 1/s² at 10 cm, the middle of them
+            assert!((with(49.05) - light - 0.5_f64.ln()).abs() < 1e-6);
+            assert_eq!(with(-49.05), with(49.05));
+            assert!(with(20.0) - light > -0.2 && with(400.0) - light < -5.0);
+        });
+    }
+
+    #[test]
+    fn a_drive_that_holds_a_position_is_a_spring_and_a_pendulum_a_weight() {
+        let inertia = model(GAIN, 0.06).plant.inertia_kg_m2;
+        let named = |stiffness: f64, damping: f64| {
+            let u = flight(1, 0.0).u.iter().map(|u| 10.0 * u).collect();
+            let pulled =
+                |_: usize, rate: f64, angle: f64| -inertia * (stiffness * angle.sin() + damping * rate);
+            let flown = flown_by(1, u, pulled);
+            let answer = diagnose(&[flown.recording()], None, &|_| {}).unwrap().answer;
+            let first = answer.effects.first().map(|effect| (effect.id.clone(), effect.parameters[0].value));
+            first.unwrap_or_default()
+        };
+        for (name, stiffness, damping) in
+            [("linear_stiffness", 400.0, 36.0), ("gravity_stiffness", 40.0, 4.0)]
+        {
+            let (found, value) = named(stiffness, damping);
+            // the fixture's steps of 20 ms are coarse for the drive
+            assert!(found == name && (0.5..2.0).contains(&(value / stiffness)), "{found} {value}");
+        }
     }
 
     #[test]

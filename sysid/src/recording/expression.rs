@@ -4,23 +4,17 @@
 //! sum     = product { ("+" | "-") product }
 //! product = signed { ("*" | "/") signed }
 //! signed  = { "-" | "+" } primary
-//! primary = number | "pi" | name | "(" sum ")"
-//! name    = letter or "_", then letters, digits, "_", ".", "[", "]"; anything between `...` or "..."
+//! primary = number | "pi" | name | "(" sum ")" | "limit" "(" sum "," sum "," sum ")"
+//! name    = letter or "_", then letters, digits, "_", ".", "[", "]", and blanks within; anything between `...` or "..."
 //! ```
+//!
+//! `limit(u, -100, 100)` is u held between the two: a command as the actuator gets it, where the log has it before its limit.
 //!
 //! A quote stands for itself where it is doubled. Length and depth are bounded, so that no text can hang or overflow.
 
+mod parser;
+
 use std::fmt;
-use std::str::FromStr;
-
-use crate::error::{Error, ErrorKind, quote};
-
-/// Parentheses and signs inside each other.
-const DEEPEST: usize = 40;
-/// Numbers, names and operators.
-const LONGEST: usize = 200;
-/// What can begin an operand.
-const OPERAND: &str = "a number, a name, pi, - or (";
 
 /// An arithmetic expression over named columns.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +31,8 @@ enum Node {
     Name(usize),
     Negative(Box<Node>),
     Pair(Operator, Box<Node>, Box<Node>),
+    /// The first held between the second and the third.
+    Limited(Box<[Node; 3]>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,6 +141,7 @@ fn is_constant(node: &Node) -> bool {
         Node::Name(_) => false,
         Node::Negative(inner) => is_constant(inner),
         Node::Pair(_, left, right) => is_constant(left) && is_constant(right),
+        Node::Limited(parts) => parts.iter().all(is_constant),
     }
 }
 
@@ -154,6 +151,10 @@ fn evaluate(node: &Node, values: &[f64]) -> f64 {
         Node::Name(place) => values.get(*place).copied().unwrap_or(f64::NAN),
         Node::Negative(inner) => -evaluate(inner, values),
         Node::Pair(operator, left, right) => operator.apply(evaluate(left, values), evaluate(right, values)),
+        Node::Limited(parts) => {
+            let [value, low, high] = parts.each_ref().map(|part| evaluate(part, values));
+            if low <= high { value.clamp(low, high) } else { f64::NAN }
+        }
     }
 }
 
@@ -176,192 +177,21 @@ impl Expression {
                 let (left, right) = (self.written(left, binds), self.written(right, binds + 1));
                 (format!("{left}{}{right}", operator.sign()), binds)
             }
+            Node::Limited(parts) => {
+                let [value, low, high] = parts.each_ref().map(|part| self.written(part, 0));
+                (format!("limit({value},{low},{high})"), 3)
+            }
         };
         if binds < outer { format!("({text})") } else { text }
     }
 }
 
-fn begins_name(c: char) -> bool {
-    c.is_alphabetic() || c == '_'
-}
-
-fn is_in_name(c: char) -> bool {
-    c.is_alphanumeric() || matches!(c, '_' | '.' | '[' | ']')
-}
-
 /// A name, quoted where it has to be.
 fn written_name(name: &str) -> String {
-    let plain = name.starts_with(begins_name) && name.chars().all(is_in_name) && name != "pi";
+    let plain = name.starts_with(parser::begins_name) && name.chars().all(parser::is_in_name) && name != "pi";
     let mark = if name.contains('`') { '"' } else { '`' };
     let doubled = || name.replace(mark, &format!("{mark}{mark}"));
     if plain { name.to_owned() } else { format!("{mark}{}{mark}", doubled()) }
-}
-
-impl FromStr for Expression {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self, Error> {
-        let characters = text.chars().collect();
-        let mut parser = Parser { text: characters, at: 0, names: Vec::new(), pieces: 0 };
-        let tree = parser.sum(0)?;
-        match parser.peek() {
-            None => Ok(Self { names: parser.names, tree }),
-            Some(_) => Err(parser.refuse("+, -, *, / or the end")),
-        }
-    }
-}
-
-struct Parser {
-    text: Vec<char>,
-    at: usize,
-    names: Vec<String>,
-    pieces: usize,
-}
-
-impl Parser {
-    /// The next character that is no blank.
-    fn peek(&mut self) -> Option<char> {
-        while self.text.get(self.at).is_some_and(|c| c.is_whitespace()) {
-            self.at += 1;
-        }
-        self.text.get(self.at).copied()
-    }
-
-    fn refuse(&mut self, expected: &str) -> Error {
-        let found = match self.peek() {
-            Some(c) => format!("found {}", quote(&c.to_string())),
-            None => "it ends too early".into(),
-        };
-        self.error(&found).expecting(expected)
-    }
-
-    fn error(&self, found: &str) -> Error {
-        let advice = "write +, -, *, / and parentheses over columns; put names with other signs than letters, digits, \
-                      _ . [ ] between `backticks` or \"quotes\"";
-        Error::new(ErrorKind::Options, format!("at character {}: {found}", self.at + 1), advice)
-    }
-
-    /// Counts a piece.
-    fn node(&mut self, node: Node) -> Result<Node, Error> {
-        self.pieces += 1;
-        if self.pieces > LONGEST {
-            return Err(self.error(&format!("more than {LONGEST} numbers, names and operators")));
-        }
-        Ok(node)
-    }
-
-    fn sum(&mut self, depth: usize) -> Result<Node, Error> {
-        let mut left = self.product(depth)?;
-        while let Some(operator) = self.operator(1) {
-            let right = self.product(depth)?;
-            left = self.node(Node::Pair(operator, Box::new(left), Box::new(right)))?;
-        }
-        Ok(left)
-    }
-
-    fn product(&mut self, depth: usize) -> Result<Node, Error> {
-        let mut left = self.signed(depth)?;
-        while let Some(operator) = self.operator(2) {
-            let right = self.signed(depth)?;
-            left = self.node(Node::Pair(operator, Box::new(left), Box::new(right)))?;
-        }
-        Ok(left)
-    }
-
-    /// Takes an operator of this strength.
-    fn operator(&mut self, binds: u8) -> Option<Operator> {
-        let operator = Operator::of(self.peek()?).filter(|operator| operator.binds() == binds)?;
-        self.at += 1;
-        Some(operator)
-    }
-
-    fn signed(&mut self, depth: usize) -> Result<Node, Error> {
-        if depth > DEEPEST {
-            return Err(self.error(&format!("more than {DEEPEST} parentheses and signs inside each other")));
-        }
-        match self.peek() {
-            Some('-') => {
-                self.at += 1;
-                let inner = Box::new(self.signed(depth + 1)?);
-                self.node(Node::Negative(inner))
-            }
-            Some('+') => {
-                self.at += 1;
-                self.signed(depth + 1)
-            }
-            Some('(') => {
-                self.at += 1;
-                let inner = self.sum(depth + 1)?;
-                if self.peek() != Some(')') {
-                    return Err(self.refuse("+, -, *, / or )"));
-                }
-                self.at += 1;
-                Ok(inner)
-            }
-            Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
-            Some(c) if begins_name(c) => {
-                let name: String = self.text[self.at..].iter().take_while(|c| is_in_name(**c)).collect();
-                self.at += name.chars().count();
-                if name == "pi" { self.node(Node::Number(std::f64::consts::PI)) } else { self.name(name) }
-            }
-            Some(mark @ ('`' | '"')) => self.quoted(mark),
-            _ => Err(self.refuse(OPERAND)),
-        }
-    }
-
-    fn number(&mut self) -> Result<Node, Error> {
-        let rest = &self.text[self.at..];
-        let digits =
-            |from: usize| rest[from.min(rest.len())..].iter().take_while(|c| c.is_ascii_digit()).count();
-        let mut end = digits(0);
-        if rest.get(end) == Some(&'.') {
-            end += 1 + digits(end + 1);
-        }
-        if matches!(rest.get(end), Some('e' | 'E')) {
-            let sign = usize::from(matches!(rest.get(end + 1), Some('+' | '-')));
-            let exponent = digits(end + 1 + sign);
-            end += if exponent > 0 { 1 + sign + exponent } else { 0 };
-        }
-        let number = rest[..end].iter().collect::<String>();
-        match number.parse::<f64>() {
-            Ok(value) if value.is_finite() => {
-                self.at += end;
-                self.node(Node::Number(value))
-            }
-            _ => Err(self.error(&format!("{} is no number", quote(&number)))),
-        }
-    }
-
-    fn quoted(&mut self, mark: char) -> Result<Node, Error> {
-        let (mut name, mut at) = (String::new(), self.at + 1);
-        loop {
-            match (self.text.get(at), self.text.get(at + 1)) {
-                (Some(c), Some(next)) if *c == mark && *next == mark => {
-                    name.push(mark);
-                    at += 2;
-                }
-                (Some(c), _) if *c == mark => break,
-                (Some(c), _) => {
-                    name.push(*c);
-                    at += 1;
-                }
-                (None, _) => return Err(self.error(&format!("the quote {mark} is opened and not closed"))),
-            }
-        }
-        if name.is_empty() {
-            return Err(self.error("a name without a character"));
-        }
-        self.at = at + 1;
-        self.name(name)
-    }
-
-    fn name(&mut self, name: String) -> Result<Node, Error> {
-        let place = self.names.iter().position(|known| *known == name).unwrap_or_else(|| {
-            self.names.push(name);
-            self.names.len() - 1
-        });
-        self.node(Node::Name(place))
-    }
 }
 
 #[cfg(test)]
@@ -387,6 +217,8 @@ mod tests {
             ("RATE.P+main.gyroADC[0]+a", &["RATE.P", "main.gyroADC[0]", "a"], 6.0),
             ("`pi`*a", &["pi", "a"], 2.0),
             ("a/(b-b)", &["a", "b"], f64::INFINITY),
+            ("Channel 3*2 - roll rate", &["Channel 3", "roll rate"], 0.0),
+            ("limit(4*b, -5, a+2) - limit", &["b", "a", "limit"], 1.0),
         ] {
             let expression = parsed(text);
             assert_eq!(expression.names(), names, "{text}");
@@ -418,7 +250,10 @@ mod tests {
         for (text, place, says) in [
             ("", 1, "it ends too early"),
             ("a+", 3, "expected: a number, a name"),
-            ("a b", 3, "found \"b\""),
+            ("a `b`", 3, "found \"`\""),
+            ("2 b", 3, "found \"b\""),
+            ("limit(a, 1)", 11, "expected: +, -, *, / or ,"),
+            ("limit(a, 1, 2", 14, "expected: +, -, *, / or )"),
             ("(a+b", 5, "expected: +, -, *, / or )"),
             ("a+)", 3, "found \")\""),
             ("a^2", 2, "found \"^\""),
