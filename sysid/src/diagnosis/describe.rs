@@ -1,6 +1,7 @@
 //! Every sentence of the answer that a person reads.
 
 use super::answer::{Answer, EffectAnswer, HeldOutAnswer, Predicted, VafAnswer, Verdict};
+use super::levels::SEEN;
 use super::posterior::is_in_other_words;
 use super::rotation::mean_by_motion;
 use super::verdict::Objection;
@@ -105,6 +106,13 @@ fn no_mismatch(answer: &Answer) -> String {
             "No mismatch that these data would show; but of the next second the past of the motion alone tells {past}, as much as the model \
              ({figures}): what the input adds to it is not seen. Design nothing on the gain before steps or a sweep have shown it."
         )
+    } else if predicts(answer) && free_run(answer) < SEEN {
+        let free_run = in_percent(free_run(answer));
+        format!(
+            "No mismatch that these data would show; but run freely over whole sections the model tells {free_run} of the motion ({figures}): \
+             something beside the input moves the axis, another input, a load or the air. The values stand where that goes its own way; \
+             before you design on them, see them again without it."
+        )
     } else if answer.fit.predicted.is_none() || predicts(answer) {
         format!(
             "No mismatch: the model, its parameters estimated again, explains the data down to the noise ({figures})."
@@ -146,6 +154,11 @@ fn in_reason(objection: Option<Objection>) -> String {
 /// Whether the answer's model tells at least half of the motion of parts held out, or of what its past does not tell.
 pub fn predicts(answer: &Answer) -> bool {
     answer.fit.predicted.is_some_and(|predicted| predicted != Predicted::Little)
+}
+
+/// VAF of the baseline's free run, held out, per cent.
+fn free_run(answer: &Answer) -> f64 {
+    mean_vaf(answer, &|part| &part.baseline, None)
 }
 
 /// VAF of the past of the motion alone 1 s ahead, per cent, where a model that tells half of that second does no better.
@@ -232,6 +245,11 @@ pub fn in_a_phrase(effect: &EffectAnswer) -> String {
 mod tests {
     use super::*;
     use crate::diagnosis::answer::WithError;
+    use crate::diagnosis::data_checks::fixture::{flight, normal};
+    use crate::diagnosis::diagnose;
+    use crate::diagnosis::fixture::flight_with;
+    use rand::SeedableRng;
+    use rand_pcg::Pcg64;
 
     #[test]
     fn what_the_past_tells_as_well_is_not_the_inputs_doing() {
@@ -249,6 +267,25 @@ mod tests {
         let alone = told(&[part(0.5, 95.0, None), part(0.5, 90.0, Some(80.0))]);
         assert_eq!(alone, Some(90.0), "the part that is not judged has no say");
         assert_eq!(told(&[]), None);
+    }
+
+    #[test]
+    fn what_moves_by_something_beside_the_input_is_not_told_to_the_noise() {
+        let said = |size: f64| {
+            let mut random = Pcg64::seed_from_u64(7);
+            let mut moment = 0.0;
+            let mut wander = |_| {
+                moment += size * normal(&mut random);
+                moment
+            };
+            let walk: Vec<f64> = (0..flight(1, 0.0).u.len()).map(&mut wander).collect();
+            let flown = flight_with(1, |k, _, _| walk[k]);
+            diagnose(&[flown.recording()], None, &|_| {}).unwrap().answer
+        };
+        let [still, blown] = [0.0, 0.05].map(said);
+        assert_eq!([still.verdict, blown.verdict], [Verdict::NoMismatch; 2]);
+        assert!(still.summary.contains("down to the noise"), "{}", still.summary);
+        assert!(blown.summary.contains("something beside the input moves the axis"), "{}", blown.summary);
     }
 
     #[test]
