@@ -26,9 +26,9 @@ pub struct Reading {
     model: Option<PathBuf>,
 
     /// A column of another name, or arithmetic over columns with + - * / ( ) and pi: q_rad_s=gyro_y,
-    /// 'q_rad_s=-gyro_y*pi/180', 'u_norm=0.25*(m1+m2-m3-m4)'; names with other signs than letters, digits, _ . [ ] stand
-    /// between `backticks` or "quotes". Of a flight log, topic.field, or input, rate, angle for what `pitchid show`
-    /// proposes: 'u_norm=-input'. Where nothing was commanded: u_norm=0
+    /// 'q_rad_s=-gyro_y*pi/180', 'u_norm=0.25*(m1+m2-m3-m4)', 'u_pct=limit(u,-100,100)' where an actuator limits it; names with
+    /// other signs than letters, digits, blanks, _ . [ ] stand between `backticks` or "quotes". Of a flight log, topic.field, or
+    /// input, rate, angle for what `pitchid show` proposes: 'u_norm=-input'. Where nothing was commanded: u_norm=0
     #[arg(long = "column", value_name = "NAME=EXPR", help_heading = "Reading")]
     columns: Vec<ColumnMap>,
 

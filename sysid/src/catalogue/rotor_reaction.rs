@@ -24,9 +24,9 @@ impl Effect for RotorReaction {
     fn source(&self) -> Option<&'static str> {
         Some("Pounds, Mahony and Corke, 2010")
     }
-    /// Where the input is a force or a moment, no rotor makes it.
+    /// Where the input is a force, a moment or the current that makes one, no rotor does.
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
-        !matches!(data.input_unit, InputUnit::Newton | InputUnit::NewtonMetre)
+        !matches!(data.input_unit, InputUnit::Newton | InputUnit::NewtonMetre | InputUnit::Ampere)
     }
     /// A lead: without another axis it turns the phase as a shorter delay does.
     fn class(&self) -> Option<Class> {

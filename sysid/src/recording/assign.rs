@@ -150,7 +150,7 @@ fn require(sources: &[Source], header: &[String]) -> Result<(), Error> {
     } else if !has(|r| matches!(r, Role::Input(_))) {
         (
             "no input column",
-            "one of u_rad (or u_deg), u_pct, u_V, u_N_m, u_N, u_norm",
+            "one of u_rad (or u_deg), u_pct, u_V, u_A, u_N_m, u_N, u_norm",
             "--column u_rad=NAME, or another of these with its unit; where nothing was commanded (a release, a ring-down), with \
              --column u_norm=0",
         )

@@ -1,12 +1,13 @@
 //! The columns of the format: their names, units and roles.
 
 /// Names a file may use, in the order of the format's table.
-pub const KNOWN_COLUMNS: [&str; 32] = [
+pub const KNOWN_COLUMNS: [&str; 34] = [
     "t_s",
     "u_rad",
     "u_deg",
     "u_pct",
     "u_V",
+    "u_A",
     "u_N_m",
     "u_N",
     "u_norm",
@@ -29,6 +30,7 @@ pub const KNOWN_COLUMNS: [&str; 32] = [
     "u_roll_deg",
     "u_roll_pct",
     "u_roll_V",
+    "u_roll_A",
     "u_roll_N_m",
     "u_roll_N",
     "u_roll_norm",
@@ -45,6 +47,8 @@ pub enum InputUnit {
     Percent,
     /// Volt.
     Volt,
+    /// Current of a motor, A.
+    Ampere,
     /// Moment command, N m.
     NewtonMetre,
     /// Force, N.
@@ -61,6 +65,7 @@ impl InputUnit {
             Self::Rad => "u_rad",
             Self::Percent => "u_pct",
             Self::Volt => "u_V",
+            Self::Ampere => "u_A",
             Self::NewtonMetre => "u_N_m",
             Self::Newton => "u_N",
             Self::Normalised => "u_norm",
@@ -74,6 +79,7 @@ impl InputUnit {
             Self::Rad => "u_roll_rad",
             Self::Percent => "u_roll_pct",
             Self::Volt => "u_roll_V",
+            Self::Ampere => "u_roll_A",
             Self::NewtonMetre => "u_roll_N_m",
             Self::Newton => "u_roll_N",
             Self::Normalised => "u_roll_norm",
@@ -87,6 +93,7 @@ impl InputUnit {
             Self::Rad => "rad",
             Self::Percent => "%",
             Self::Volt => "V",
+            Self::Ampere => "A",
             Self::NewtonMetre => "N m",
             Self::Newton => "N",
             Self::Normalised => "1",
@@ -108,6 +115,7 @@ impl InputUnit {
             Self::Rad => "N m/rad",
             Self::Percent => "N m/%",
             Self::Volt => "N m/V",
+            Self::Ampere => "N m/A",
             Self::NewtonMetre => "1",
             Self::Newton => "N m/N",
             Self::Normalised => "N m/unit",
@@ -144,6 +152,7 @@ impl Role {
             "u_deg" => (Self::Input(InputUnit::Rad), DEGREE),
             "u_pct" => (Self::Input(InputUnit::Percent), 1.0),
             "u_V" => (Self::Input(InputUnit::Volt), 1.0),
+            "u_A" => (Self::Input(InputUnit::Ampere), 1.0),
             "u_N_m" => (Self::Input(InputUnit::NewtonMetre), 1.0),
             "u_N" => (Self::Input(InputUnit::Newton), 1.0),
             "u_norm" => (Self::Input(InputUnit::Normalised), 1.0),
@@ -164,6 +173,7 @@ impl Role {
             "u_roll_deg" => (Self::RollInput(InputUnit::Rad), DEGREE),
             "u_roll_pct" => (Self::RollInput(InputUnit::Percent), 1.0),
             "u_roll_V" => (Self::RollInput(InputUnit::Volt), 1.0),
+            "u_roll_A" => (Self::RollInput(InputUnit::Ampere), 1.0),
             "u_roll_N_m" => (Self::RollInput(InputUnit::NewtonMetre), 1.0),
             "u_roll_N" => (Self::RollInput(InputUnit::Newton), 1.0),
             "u_roll_norm" => (Self::RollInput(InputUnit::Normalised), 1.0),

@@ -110,6 +110,16 @@ impl Expression {
         Self { names: self.names.clone(), tree: Node::Pair(Operator::Times, left, right) }
     }
 
+    /// This held between two values.
+    pub(super) fn limited(&self, [low, high]: [f64; 2]) -> Self {
+        let number = |value: f64| match value < 0.0 {
+            true => Node::Negative(Box::new(Node::Number(-value))),
+            false => Node::Number(value),
+        };
+        let parts = Box::new([self.tree.clone(), number(low), number(high)]);
+        Self { names: self.names.clone(), tree: Node::Limited(parts) }
+    }
+
     /// The constant that multiplies the whole, and the rest: `-x*pi/180` is −π/180 and `x`.
     pub(super) fn without_factor(self) -> (f64, Self) {
         let (mut factor, mut tree) = (1.0, self.tree);
@@ -243,6 +253,7 @@ mod tests {
         }
         assert_eq!(parsed("a+b").scaled(-1.0).to_string(), "(a+b)*-1");
         assert_eq!(parsed("a-(b-c)/(d*e)").to_string(), "a-(b-c)/(d*e)");
+        assert_eq!(parsed("Channel 3").limited([-100.0, 100.0]).to_string(), "limit(`Channel 3`,-100,100)");
     }
 
     #[test]

@@ -307,6 +307,12 @@ impl Recording {
         self.columns.iter().find(|map| map.target == target).map(|map| map.option_to_scale(factor))
     }
 
+    /// The option that holds a column between two values.
+    #[must_use]
+    pub fn option_to_limit(&self, target: &str, ends: [f64; 2]) -> Option<String> {
+        self.columns.iter().find(|map| map.target == target).map(|map| map.option_to_limit(ends))
+    }
+
     /// The section of this name.
     ///
     /// # Errors

@@ -55,6 +55,13 @@ impl ColumnMap {
             scale => format!("--column '{}={}'", self.target, self.source.scaled(scale)),
         }
     }
+
+    /// The option that holds the column between two values.
+    #[must_use]
+    pub fn option_to_limit(&self, ends: [f64; 2]) -> String {
+        let read = if self.factor == 1.0 { self.source.clone() } else { self.source.scaled(self.factor) };
+        format!("--column '{}={}'", self.target, read.limited(ends))
+    }
 }
 
 impl FromStr for ColumnMap {
@@ -200,7 +207,7 @@ mod tests {
             ("q_rad_s", "no = in it"),
             ("q_rad_s=", "at character 1: it ends too early"),
             ("q_rad_s=gy*", "at character 4: it ends too early"),
-            ("q_rad_s=gy gz", "at character 4: found \"g\""),
+            ("q_rad_s=gy `gz`", "at character 4: found \"`\""),
             ("q_rad_s=gy*0", "out of range"),
             ("q_rad_s=gy/0", "out of range"),
             ("q_rad_s=3*pi", "no column of the file is named"),

@@ -4,9 +4,12 @@ use super::{DataCheck, Gravity, joined};
 use crate::dataset::Dataset;
 use crate::estimate::digits;
 use crate::recording::plateaus::plateaus;
-use crate::recording::{NoteKind, Recording};
+use crate::recording::{InputUnit, NoteKind, Recording};
 use std::ops::Range;
 
+/// The whole command, per cent, and what is surely more.
+const ALL: f64 = 100.0;
+const ALL_AND_SOME: f64 = 105.0;
 /// Runs of one value at an extreme of the input, each at least this long, that count as clipping.
 const PLATEAU: usize = 3;
 /// Share of samples in which an input changes, from which it is no sequence of steps (which has plateaus anyway).
@@ -45,9 +48,12 @@ pub fn clock(recordings: &[Recording]) -> DataCheck {
     DataCheck::ruled_out(CAUSE, joined(recordings, regular).unwrap_or_default())
 }
 
-/// Signals that stay at their extreme values as recorded.
+/// Signals that stay at their extreme values as recorded, and commands of more than there is.
 pub fn saturation(recordings: &[Recording]) -> DataCheck {
     const CAUSE: &str = "saturation";
+    if let Some(words) = joined(recordings, more_than_all) {
+        return DataCheck::found(CAUSE, Gravity::Stops, words);
+    }
     let clipped = |recording: &Recording| {
         let parts = [notes_of(recording, &[NoteKind::Clipped]), clipped_input(recording)];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
@@ -66,6 +72,21 @@ pub fn saturation(recordings: &[Recording]) -> DataCheck {
         Some(format!("{}, without a plateau there", described.join(", ")))
     };
     DataCheck::ruled_out(CAUSE, joined(recordings, extremes).unwrap_or_default())
+}
+
+/// A command in per cent that goes beyond a hundred: the log has it before the limit that the actuator has.
+fn more_than_all(recording: &Recording) -> Option<String> {
+    let largest = recording.u.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+    if recording.u_unit != InputUnit::Percent || largest < ALL_AND_SOME {
+        return None;
+    }
+    let column = recording.u_unit.column();
+    Some(format!(
+        "{column} reaches {} %, and there is no more than 100 to give: the log has the command before it is limited; read it as the \
+         actuator gets it with {}, or, where it is no share of the whole command, as u_norm",
+        digits(largest),
+        recording.option_to_limit(column, [-ALL, ALL]).unwrap_or_default()
+    ))
 }
 
 /// Sections in which an input that changes from sample to sample sits at its extreme value again and again.

@@ -5,6 +5,7 @@ use crate::diagnosis::diagnose;
 use crate::diagnosis::estimates::estimates_of;
 use crate::likelihood::fit::{Fit, fit_baseline};
 use crate::model::baseline::Baseline;
+use crate::recording::{ReadOptions, parse};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -311,6 +312,22 @@ fn irregular_stamps_are_told() {
         let described = channels::clock(&[read(&text)]);
         assert!(described.state == State::Found && described.words.contains(word), "{described:?}");
     }
+}
+
+#[test]
+fn more_than_a_hundred_per_cent_is_a_command_before_its_limit() {
+    let saturation = |most: f64| {
+        let text = flight(1, 0.0).text().replace("u_rad", "u_pct");
+        let scale = format!("u_pct=u_pct*{}", most / 0.015);
+        let options = ReadOptions { columns: vec![scale.parse().unwrap()], ..ReadOptions::default() };
+        channels::saturation(&[parse("log.csv", text.as_bytes(), &options).unwrap()])
+    };
+    assert_eq!(saturation(101.0).state, State::RuledOut);
+    let found = saturation(-300.0);
+    assert!(
+        found.stops() && found.words.contains("--column 'u_pct=limit(u_pct*-20000,-100,100)'"),
+        "{found:?}"
+    );
 }
 
 #[test]
