@@ -117,12 +117,7 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
 }
 
 /// A model's part of the answer; the intervals reach to what `alone`, a fit with fewer terms, says too.
-pub fn model_answer(
-    problem: &Problem<'_>,
-    parts: &[Part],
-    model: &Visited,
-    alone: Option<&Fit>,
-) -> ModelAnswer {
+fn model_answer(problem: &Problem<'_>, parts: &[Part], model: &Visited, alone: Option<&Fit>) -> ModelAnswer {
     let (effects, values) = (&model.fit.effects, &model.fit.minimum.values);
     let of_parts: Vec<(String, Scores)> = parts
         .iter()

@@ -3,9 +3,8 @@
 use super::answer::{Answer, FitAnswer, Location, Predicted, Verdict};
 use super::balance::Balance;
 use super::between_rows;
-use super::building::{build, model_answer};
+use super::building::build;
 use super::candidates::Candidate;
-use super::ceiling::ceilings;
 use super::component::Component;
 use super::data_checks::{self, DataCheck, Loops};
 use super::describe::predicts;
@@ -15,8 +14,7 @@ use super::judgement::Judgement;
 use super::left_over::LeftOver;
 use super::levels::PARTS;
 use super::over_time::OverTime;
-use super::parts::{Part, parts};
-use super::posterior::Visited;
+use super::parts::parts;
 use super::selection::select;
 use super::spectra::Spectra;
 use super::step_response::StepResponses;
@@ -136,9 +134,9 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     };
     let parts = parts(data, PARTS);
     let problem = Problem::new(data, baseline, &[]);
-    let unanswered = |fitted: Option<&Visited>, verdict, summary, location| {
+    let unanswered = |verdict, summary, location| {
         let known = model.cloned().unwrap_or_else(ModelFile::unknown);
-        unanswered(&problem, &parts, fitted, Unanswered { verdict, summary, location, notes: notes(), known })
+        unanswered(verdict, summary, location, notes(), known)
     };
     let dm_du = model.and_then(|m| m.plant.dm_du);
     let mut checks = data_checks::of_recordings(recordings, data, dm_du);
@@ -156,16 +154,12 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     };
     if let Some(reason) = excitation::too_little(&problem) {
         checks.extend(data_checks::without_fit("too little to ask"));
-        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, None);
+        return with_checks(unanswered(Verdict::NotExcited, reason, None), checks, None);
     }
     if data_checks::stop(&checks) {
         checks.extend(data_checks::without_fit("not asked before the others are put right"));
         let location = data_checks::everywhere(&checks, data);
-        return with_checks(
-            unanswered(None, Verdict::CheckData, String::new(), Some(location)),
-            checks,
-            None,
-        );
+        return with_checks(unanswered(Verdict::CheckData, String::new(), Some(location)), checks, None);
     }
     let places: Vec<_> = parts.iter().map(|part| part.places.clone()).collect();
     progress("fitting the baseline".into());
@@ -181,7 +175,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     let information = Information::new(&problem, &first, &places).ok_or_else(no_likelihood)?;
     if let Some(reason) = excitation::too_weak(&problem, &first, &information) {
         checks.extend(data_checks::without_fit("too weak to ask"));
-        return with_checks(unanswered(None, Verdict::NotExcited, reason, None), checks, balance.as_ref());
+        return with_checks(unanswered(Verdict::NotExcited, reason, None), checks, balance.as_ref());
     }
     let selection = select(&problem, first, catalogue, &places, progress).ok_or_else(no_likelihood)?;
     let fitted = &selection.visited[selection.baseline];
@@ -204,11 +198,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         );
         let told = estimates_of(&problem, extended);
         checks.extend(data_checks::of_fit(recordings, &problem, extended, told, dm_du, &loops));
-        return with_checks(
-            unanswered(Some(fitted), Verdict::NotExcited, reason, None),
-            checks,
-            balance.as_ref(),
-        );
+        return with_checks(unanswered(Verdict::NotExcited, reason, None), checks, balance.as_ref());
     }
     let closed = loops.any_closed_unsaid() || loops.all_closed();
     let unknown = || {
@@ -227,11 +217,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         if closed {
             data_checks::tell_loop(&mut checks, &loops);
         }
-        return with_checks(
-            unanswered(Some(fitted), Verdict::NotExcited, reason, None),
-            checks,
-            balance.as_ref(),
-        );
+        return with_checks(unanswered(Verdict::NotExcited, reason, None), checks, balance.as_ref());
     }
     let judgement = Judgement::new(&problem, &parts, selection, loops.any_closed_unsaid(), progress);
     let found = build(&judgement, notes());
@@ -240,12 +226,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     checks.extend(data_checks::of_fit(recordings, &problem, &answers.fit, told, dm_du, &loops));
     if data_checks::stop(&checks) {
         let location = data_checks::everywhere(&checks, data);
-        let fitted = &judgement.selection.visited[judgement.selection.baseline];
-        return with_checks(
-            unanswered(Some(fitted), Verdict::CheckData, String::new(), Some(location)),
-            checks,
-            None,
-        );
+        return with_checks(unanswered(Verdict::CheckData, String::new(), Some(location)), checks, None);
     }
     if closed || !predicts(&found.answer) {
         return with_checks(found, checks, balance.as_ref());
@@ -255,46 +236,30 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     with_checks(found, checks, lost.as_ref())
 }
 
-/// What an answer without physics says.
-struct Unanswered {
+/// No physics is named, and no value of a fit is told: it would be taken for one.
+fn unanswered(
     verdict: Verdict,
     summary: String,
     location: Option<Location>,
     notes: Vec<String>,
-    /// What the user knew before.
     known: ModelFile,
-}
-
-/// No physics is named; the baseline's fit is told where there is one.
-fn unanswered(
-    problem: &Problem<'_>,
-    parts: &[Part],
-    fitted: Option<&Visited>,
-    said: Unanswered,
 ) -> Diagnosis {
-    let model = || fitted.map(|fitted| model_answer(problem, parts, fitted, None)).unwrap_or_default();
-    let fit = FitAnswer {
-        baseline: model(),
-        extended: model(),
-        ceiling_vaf_percent: fitted.map(|_| ceilings(problem, parts)).unwrap_or_default(),
-        ..FitAnswer::default()
-    };
     Diagnosis {
         answer: Answer {
             schema: "pitchid.diagnosis/1",
-            verdict: said.verdict,
-            summary: said.summary,
+            verdict,
+            summary,
             questions: Vec::new(),
             balance: None,
             effects: Vec::new(),
             in_model: Vec::new(),
             remainder: None,
-            location: said.location,
-            fit,
+            location,
+            fit: FitAnswer::default(),
             next_experiment: None,
             data_checks: Vec::new(),
             per_unit_inertia: false,
-            notes: said.notes,
+            notes,
         },
         traces: Vec::new(),
         over_time: OverTime::default(),
@@ -303,6 +268,6 @@ fn unanswered(
         spectra: Spectra::default(),
         steps: None,
         candidates: Vec::new(),
-        model: said.known,
+        model: known,
     }
 }
