@@ -71,8 +71,9 @@ pub struct Test {
 
 /// What was asked.
 pub enum Kind {
-    /// What is new in a logged row's motion against what is new in the input so many logged rows later.
-    OwnRows(usize),
+    /// What is new in a logged row's motion against what is new in the input `later` of the rows in which it may change, `every` so
+    /// many.
+    OwnRows { later: usize, every: usize },
     /// The innovations against what is new in the input of the same row.
     AtOnce,
     /// The innovations against what is new in the input so many s later.
@@ -92,15 +93,21 @@ impl Test {
     pub fn told(&self) -> String {
         let share = 100.0 * self.share;
         match self.kind {
-            Kind::OwnRows(0) => format!(
-                "in the rows as logged what is new in the motion explains {share:.1} % of what is new in the input of the same row, \
-                 by rank, and against the input's effect"
-            ),
-            Kind::OwnRows(later) => format!(
-                "in the rows as logged what is new in the motion explains {share:.1} % of what is new in the input {later} {} \
-                 later, by rank, and against the input's effect",
-                if later == 1 { "row" } else { "rows" }
-            ),
+            Kind::OwnRows { later, every } => {
+                let rows = match every {
+                    1 => "in the rows as logged".into(),
+                    _ => format!("of the rows as logged in which the input may change, one in {every},"),
+                };
+                let of = match later {
+                    0 => "of the same row".into(),
+                    1 => "1 row later".into(),
+                    _ => format!("{later} rows later"),
+                };
+                format!(
+                    "{rows} what is new in the motion explains {share:.1} % of what is new in the input {of}, by rank, and against the \
+                     input's effect"
+                )
+            }
             Kind::AtOnce => {
                 format!("the innovations explain {share:.1} % of what is new in the input of the same row")
             }

@@ -12,6 +12,8 @@
 //! smoothed both ways, or an input that acts within its row have e show the input's own effect; so only what goes against that
 //! effect counts, as a controller's answer does that holds the vehicle. For later rows the input of the motion's own row is among what is known.
 //! Ranks, and no rows at the switches of an excitation or steps of a set-point, along which a model that lacks something errs alike.
+//! A command that keeps its value for N rows and may change in the next is made by something slower than the log: of these rows alone the
+//! same is asked.
 
 use super::news::{
     FEWEST_STRETCHES, Kind, ROUNDING, SWITCH, TRIMMED, Test, median_size, news_from, typical_size,
@@ -21,24 +23,74 @@ use crate::linalg::least_squares::least_squares;
 use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Rows of the past that are known.
-const MEMORY: usize = 8;
+/// Rows of the past that are known, and fewest rows that are asked.
+const ROWS: Asked = Asked { memory: 8, fewest: 200 };
+/// The same of rows that are N apart.
+const DECISIONS: Asked = Asked { memory: 4, fewest: 60 };
 /// Rows that an answer may take.
 const LATEST: usize = 3;
-/// Fewest rows that are asked.
-const FEWEST: usize = 200;
+/// Share of the times between two changes that are by a clock, whole numbers of its period, and how far they may be from those, as a share of it.
+const BY_A_CLOCK: f64 = 0.95;
+const JITTER: f64 = 0.15;
+
+/// Share of the values that recur after the period of a sequence that repeats itself.
+const ALWAYS: f64 = 0.95;
+
+struct Asked {
+    memory: usize,
+    fewest: usize,
+}
 
 /// Asks the rows of `u` and of the signals of `motion` that count; `effect` is the gain of the input as fitted. `None` where too
 /// little is there to be asked, nothing is new in the input between its switches, or it has two levels: what is new in it is a switch then,
 /// by its own clock.
 pub fn answers(u: &[f64], motion: &[&[f64]], counts: &[bool], effect: f64) -> Option<Test> {
-    let rows: Vec<usize> = (MEMORY..u.len()).filter(|&k| !counts[k - MEMORY..=k].contains(&false)).collect();
-    if rows.len() < FEWEST || has_two_levels(rows.iter().map(|&k| &u[k])) {
+    let Some((every, rows)) = decisions(u) else { return asked(u, motion, counts, effect, &ROWS) };
+    let at = |signal: &[f64]| -> Vec<f64> { rows.iter().map(|&k| signal[k]).collect() };
+    let motion: Vec<Vec<f64>> = motion.iter().map(|signal| at(signal)).collect();
+    let motion: Vec<&[f64]> = motion.iter().map(Vec::as_slice).collect();
+    let counts: Vec<bool> = rows.iter().map(|&k| counts[k]).collect();
+    let mut test = asked(&at(u), &motion, &counts, effect, &DECISIONS)?;
+    if let Kind::OwnRows { every: rows, .. } = &mut test.kind {
+        *rows = every;
+    }
+    Some(test)
+}
+
+/// The rows in which an input may change that keeps its value between them, and how many rows these are apart; `None` where it
+/// changes by no clock or in neighbouring rows, or repeats itself: that was decided beforehand.
+fn decisions(u: &[f64]) -> Option<(usize, Vec<usize>)> {
+    let changes: Vec<usize> = (1..u.len()).filter(|&k| u[k] != u[k - 1]).collect();
+    let gaps = || changes.windows(2).map(|pair| (pair[1] - pair[0]) as f64);
+    let shortest = gaps().min_by(f64::total_cmp).filter(|shortest| *shortest > 1.0)?;
+    let short: Vec<f64> = gaps().filter(|gap| *gap < 1.5 * shortest).collect();
+    let every = short.iter().sum::<f64>() / short.len() as f64;
+    let times = |gap: f64| (gap / every).round().max(1.0);
+    let by_the_clock = gaps().filter(|&gap| (gap / every - times(gap)).abs() <= JITTER).count();
+    if (by_the_clock as f64) < BY_A_CLOCK * gaps().count() as f64 {
+        return None;
+    }
+    let between = changes.windows(2).flat_map(|pair| {
+        let count = times((pair[1] - pair[0]) as f64) as usize;
+        (0..count).map(move |i| pair[0] + i * (pair[1] - pair[0]) / count)
+    });
+    let rows: Vec<usize> = between.collect();
+    let repeats = |period: usize| {
+        let same = rows.iter().zip(&rows[period..]).filter(|(k, later)| u[**k] == u[**later]).count();
+        same as f64 >= ALWAYS * (rows.len() - period) as f64
+    };
+    (!(1..=rows.len() / 2).any(repeats)).then(|| (every.round() as usize, rows))
+}
+
+fn asked(u: &[f64], motion: &[&[f64]], counts: &[bool], effect: f64, asked: &Asked) -> Option<Test> {
+    let memory = asked.memory;
+    let rows: Vec<usize> = (memory..u.len()).filter(|&k| !counts[k - memory..=k].contains(&false)).collect();
+    if rows.len() < asked.fewest || has_two_levels(rows.iter().map(|&k| &u[k])) {
         return None;
     }
     let u = &standardised(u, &rows);
     let motion: Vec<Vec<f64>> = motion.iter().map(|signal| standardised(signal, &rows)).collect();
-    let before = |x: &[f64], k: usize| -> Vec<f64> { x[k - MEMORY..k].to_vec() };
+    let before = |x: &[f64], k: usize| -> Vec<f64> { x[k - memory..k].to_vec() };
     let mut between = vec![true; rows.len()];
     let mut new_input = left(&rows, &between, u, |k| before(u, k))?;
     for _ in 0..TRIMMED {
@@ -63,11 +115,11 @@ pub fn answers(u: &[f64], motion: &[&[f64]], counts: &[bool], effect: f64) -> Op
                 .filter(|&i| rows[i + lag] == rows[i] + lag && between[i + lag])
                 .map(|i| (e[i], new_input[i + lag]))
                 .collect();
-            if pairs.len() >= FEWEST {
+            if pairs.len() >= asked.fewest {
                 let r = rank_correlation(&pairs);
                 let against = Normal::standard().cdf(r * (pairs.len() as f64).sqrt() * effect.signum());
                 let share = r * r - 1.0 / pairs.len() as f64;
-                tests.push(Test { p_value: against, share, kind: Kind::OwnRows(lag) });
+                tests.push(Test { p_value: against, share, kind: Kind::OwnRows { later: lag, every: 1 } });
             }
         }
     }
@@ -117,7 +169,7 @@ mod tests {
     use super::super::feedback::ODDS;
     use super::super::fixture::normal;
     use super::*;
-    use rand::SeedableRng;
+    use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 
     /// What is logged of each row: the rate before or after the input of the row has acted, and the input of that row or the last.
@@ -150,14 +202,53 @@ mod tests {
         (u, q)
     }
 
-    fn asked((u, q): (Vec<f64>, Vec<f64>)) -> Option<Test> {
+    fn told((u, q): (Vec<f64>, Vec<f64>)) -> Option<Test> {
         answers(&u, &[&q], &vec![true; u.len()], 20.0)
+    }
+
+    /// The same vehicle under a controller that is told only every tenth row, or one late by as many as `jitter`, and rounds its command.
+    fn slowly(seed: u64, jitter: u64, gain: f64) -> (Vec<f64>, Vec<f64>) {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let (mut u, mut q): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+        let (mut rate, mut air, mut given, mut next) = (0.0, 0.0, 0.0, 0);
+        for k in 0..4000_u64 {
+            q.push(rate + 0.05 * normal(&mut random));
+            if k == next {
+                let wanted = 0.05 * normal(&mut random) - gain * q[k as usize];
+                given = (wanted / 0.01).round() * 0.01;
+                next = k / 10 * 10 + 10 + random.random_range(0..=jitter);
+            }
+            u.push(given);
+            air = 0.9 * air + 0.3 * normal(&mut random);
+            rate += 0.01 * (20.0 * given - 2.0 * rate + air);
+        }
+        (u, q)
+    }
+
+    #[test]
+    fn a_controller_that_is_slower_than_the_log_is_asked_where_it_decides() {
+        for jitter in [0, 1] {
+            let test = told(slowly(3, jitter, 0.4)).unwrap();
+            assert!(test.p_value < ODDS && test.share > 0.02, "{}: {:.0e}", test.told(), test.p_value);
+            assert!(test.told().contains("one in 10,"), "{}", test.told());
+            let p_values: Vec<f64> =
+                (0..200).map(|seed| told(slowly(seed, jitter, 0.0)).unwrap().p_value).collect();
+            let below = |level: f64| p_values.iter().filter(|p| **p < level).count();
+            assert!(below(0.05) <= 20 && below(0.01) <= 7 && below(ODDS) <= 1, "{p_values:?}");
+        }
+        let levels = |every: usize, period: usize| -> Vec<f64> {
+            (0..2000).map(|k| f64::from((k / every % period * 7919 % 31) as u32)).collect()
+        };
+        assert_eq!(decisions(&levels(20, 1000)).map(|(every, _)| every), None, "31 values over again");
+        assert_eq!(decisions(&levels(60, 1000)).map(|(every, _)| every), Some(60));
+        let irregular = (0..2000).map(|k| f64::from((f64::from(k).sqrt() as u32) % 7)).collect::<Vec<_>>();
+        assert!(decisions(&irregular).is_none());
     }
 
     #[test]
     fn an_answer_within_the_row_or_soon_after_is_found() {
         for gains in [[0.4, 0.0], [0.0, 0.4]] {
-            let test = asked(logged(5, IN_TIME, gains)).unwrap();
+            let test = told(logged(5, IN_TIME, gains)).unwrap();
             assert!(test.p_value < ODDS && test.share > 0.02, "{}: {:.0e}", test.told(), test.p_value);
         }
     }
@@ -167,7 +258,7 @@ mod tests {
         const SEEDS: u64 = 200;
         let early = Logged { rate_after: true, ..IN_TIME };
         for log in [IN_TIME, early, Logged { input_late: true, ..early }] {
-            let p_values = (0..SEEDS).map(|seed| asked(logged(seed, log, [0.0; 2])).unwrap().p_value);
+            let p_values = (0..SEEDS).map(|seed| told(logged(seed, log, [0.0; 2])).unwrap().p_value);
             let p_values: Vec<f64> = p_values.collect();
             let below = |level: f64| p_values.iter().filter(|p| **p < level).count();
             // 10 and 2 by chance
@@ -180,22 +271,22 @@ mod tests {
         for seed in 0..10 {
             let (u, q) = logged(seed, IN_TIME, [0.0; 2]);
             let smoothed: Vec<f64> = q.windows(7).map(|seven| seven.iter().sum::<f64>() / 7.0).collect();
-            let test = asked((u[3..u.len() - 3].to_vec(), smoothed)).unwrap();
+            let test = told((u[3..u.len() - 3].to_vec(), smoothed)).unwrap();
             assert!(test.p_value > ODDS, "{}: {:.0e}", test.told(), test.p_value);
         }
     }
 
     #[test]
-    fn an_excitation_in_long_steps_is_not_asked() {
+    fn an_excitation_in_long_steps_is_not_told() {
         let staircase: Vec<f64> =
             (0..1500).map(|k| 1500.0 + [0.0, 100.0, -50.0, 200.0][k / 100 % 4]).collect();
         let pulls = |k: usize| (0.01 * k as f64).sin();
         let q: Vec<f64> = (0..1500).map(|k| 1e-3 * staircase[k] + pulls(k)).collect();
-        assert!(asked((staircase, q.clone())).is_none() && asked((vec![0.0; 1500], q)).is_none());
+        assert!(told((staircase, q.clone())).is_none() && told((vec![0.0; 1500], q)).is_none());
     }
 
     #[test]
-    fn two_levels_and_few_rows_are_not_asked() {
+    fn two_levels_and_few_rows_are_not_told() {
         let q: Vec<f64> = (0..400).map(|k| (0.7 * f64::from(k * k % 101)).sin()).collect();
         let relay: Vec<f64> = q.iter().map(|q| -q.signum()).collect();
         assert!(answers(&relay, &[&q], &[true; 400], 1.0).is_none());
