@@ -228,8 +228,12 @@ class Diagnosis(Answer):
 
     @property
     def parameters(self) -> dict[str, Estimate]:
-        """The parameters of the model with what was missing, by name."""
-        return {estimate.name: estimate for estimate in self.fit.extended.parameters}
+        """The parameters that are told, by name: of the model with what was missing, or of the baseline where nothing is.
+
+        Empty where the data cannot tell or are to be put right first.
+        """
+        told = self.fit.extended if self.effects else self.fit.baseline
+        return {estimate.name: estimate for estimate in told.parameters}
 
 
 @dataclass

@@ -150,7 +150,7 @@ def of_answer(found: Diagnosis, recording: Recording) -> dict[str, Any]:
 
 def _parameters(found: Diagnosis) -> list[dict[str, Any]]:
     of_effects = [(effect.id, one) for effect in found.effects for one in effect.parameters]
-    kept = [("", one) for one in found.fit.extended.parameters if all(one != other for _, other in of_effects)]
+    kept = [("", one) for one in found.parameters.values() if all(one != other for _, other in of_effects)]
     kept += of_effects
     if found.balance:
         command = found.balance["command"]

@@ -71,7 +71,8 @@ pub fn build(judgement: &Judgement<'_, '_>, mut notes: Vec<String>) -> Diagnosis
         let (_, _, rival) = finding.rivals.first()?;
         experiment::best(problem, extended, &selection.visited[*rival].fit)
     });
-    let mut model = problem.unpack(&extended.effects, &extended.minimum.values).to_model_file(problem);
+    let told = if tells_none { baseline } else { extended };
+    let mut model = problem.unpack(&told.effects, &told.minimum.values).to_model_file(problem);
     model.effects.extend(judgement.gust.as_ref().map(Gust::entry));
     let mut answer = Answer {
         schema: "pitchid.diagnosis/1",

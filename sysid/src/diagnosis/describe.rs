@@ -110,8 +110,8 @@ fn no_mismatch(answer: &Answer) -> String {
         let free_run = in_percent(free_run(answer));
         format!(
             "No mismatch that these data would show; but run freely over whole sections the model tells {free_run} of the motion ({figures}): \
-             something beside the input moves the axis, another input, a load or the air. The values stand where that goes its own way; \
-             before you design on them, see them again without it."
+             something beside the input moves the axis, another input, a load or the air, or small errors grow in it. The values stand where \
+             that goes its own way; before you design on them, see them again in a test of which the free run tells most."
         )
     } else if answer.fit.predicted.is_none() || predicts(answer) {
         format!(

@@ -96,7 +96,8 @@ fn mapped(header: &[String], map: &ColumnMap) -> Result<Source, Error> {
             (None, _) if let Some(place) = by_place(name, header.len()) => Ok(place),
             (None, _) => {
                 let found = format!("{option}: the file has no column {}", quote(name));
-                let advice = "name a column of the file, in the same upper and lower case";
+                let advice = "name a column of the file, in the same upper and lower case, and between \"quotes\" where it has other signs \
+                              than letters, digits, blanks, _ . [ ]";
                 let names = nearest(header.iter().map(String::as_str), name);
                 Err(Error::new(ErrorKind::Options, found, advice).expecting(format!("one of {names}")))
             }

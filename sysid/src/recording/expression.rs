@@ -264,6 +264,7 @@ mod tests {
             ("a `b`", 3, "found \"`\""),
             ("2 b", 3, "found \"b\""),
             ("limit(a, 1)", 11, "expected: +, -, *, / or ,"),
+            ("limit(a, 1, -1)", 15, "the lower end of a limit is above the upper one"),
             ("limit(a, 1, 2", 14, "expected: +, -, *, / or )"),
             ("(a+b", 5, "expected: +, -, *, / or )"),
             ("a+)", 3, "found \")\""),

@@ -65,7 +65,7 @@ fn compare(truth: &Truth, answer: &Answer) -> String {
         let found = answer.effects.iter().find(|e| e.id == effect.id).map_or(&[][..], |e| &e.parameters);
         rows.extend(effect.parameters.iter().filter_map(|p| row(found, &p.name, p.value)));
     }
-    let plant = &answer.fit.extended.parameters;
+    let plant = &answer.told().parameters;
     rows.extend(row(plant, "dM_dq", truth.plant.dm_dq));
     rows.extend(row(plant, "dM_du", truth.plant.dm_du));
     if !rows.is_empty() {

@@ -10,6 +10,8 @@ use std::ops::Range;
 /// The whole command, per cent, and what is surely more.
 const ALL: f64 = 100.0;
 const ALL_AND_SOME: f64 = 105.0;
+/// Share of the samples beyond it that are no wild values.
+const SEVERAL: f64 = 0.01;
 /// Runs of one value at an extreme of the input, each at least this long, that count as clipping.
 const PLATEAU: usize = 3;
 /// Share of samples in which an input changes, from which it is no sequence of steps (which has plateaus anyway).
@@ -51,16 +53,16 @@ pub fn clock(recordings: &[Recording]) -> DataCheck {
 /// Signals that stay at their extreme values as recorded, and commands of more than there is.
 pub fn saturation(recordings: &[Recording]) -> DataCheck {
     const CAUSE: &str = "saturation";
-    if let Some(words) = joined(recordings, more_than_all) {
-        return DataCheck::found(CAUSE, Gravity::Stops, words);
-    }
     let clipped = |recording: &Recording| {
         let parts = [notes_of(recording, &[NoteKind::Clipped]), clipped_input(recording)];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         (!parts.is_empty()).then(|| parts.join("; "))
     };
-    if let Some(words) = joined(recordings, clipped) {
-        return DataCheck::found(CAUSE, Gravity::Told, words);
+    let (beyond, clipped) = (joined(recordings, more_than_all), joined(recordings, clipped));
+    let gravity = if beyond.is_some() { Gravity::Stops } else { Gravity::Told };
+    let words: Vec<String> = beyond.into_iter().chain(clipped).collect();
+    if !words.is_empty() {
+        return DataCheck::found(CAUSE, gravity, words.join("; "));
     }
     let extremes = |recording: &Recording| {
         let described: Vec<String> = outputs(recording)
@@ -76,14 +78,15 @@ pub fn saturation(recordings: &[Recording]) -> DataCheck {
 
 /// A command in per cent that goes beyond a hundred: the log has it before the limit that the actuator has.
 fn more_than_all(recording: &Recording) -> Option<String> {
-    let largest = recording.u.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
-    if recording.u_unit != InputUnit::Percent || largest < ALL_AND_SOME {
+    let beyond: Vec<f64> = recording.u.iter().map(|u| u.abs()).filter(|u| *u > ALL_AND_SOME).collect();
+    if recording.u_unit != InputUnit::Percent || (beyond.len() as f64) < SEVERAL * recording.len() as f64 {
         return None;
     }
-    let column = recording.u_unit.column();
+    let (column, largest) = (recording.u_unit.column(), beyond.iter().copied().fold(0.0, f64::max));
     Some(format!(
         "{column} reaches {} %, and there is no more than 100 to give: the log has the command before it is limited; read it as the \
-         actuator gets it with {}, or, where it is no share of the whole command, as u_norm",
+         actuator gets it with {}, or from 0 where it has one side; where it is no share of the whole command, name its unit or divide it by \
+         the whole, u_norm",
         digits(largest),
         recording.option_to_limit(column, [-ALL, ALL]).unwrap_or_default()
     ))

@@ -4,8 +4,8 @@ use super::{DEGREES, DataCheck, Gravity, joined, too_large};
 use crate::dataset::Dataset;
 use crate::estimate::digits;
 use crate::model::baseline::rough_gain;
-use crate::recording::Recording;
 use crate::recording::rate_and_angle::{RateAndAngle, rate_and_angle};
+use crate::recording::{Note, NoteKind, Recording};
 
 /// Times over which ∫q dt is compared with Δθ, s: a gyro with a slow filter agrees over the longer one.
 const WINDOWS: [f64; 2] = [0.2, 1.0];
@@ -114,7 +114,14 @@ fn reversed(recording: &Recording, compared: &Compared, data: &Dataset, dm_du: O
     )
 }
 
-/// That the one moves so many times as far as the other that no gain of a sensor explains it.
+/// Units of a rate that are no radians per second, in rad/s.
+const UNITS: [(&str, f64); 3] = [
+    ("turns per minute", std::f64::consts::TAU / 60.0),
+    ("turns per second", std::f64::consts::TAU),
+    ("mrad/s", 1e-3),
+];
+
+/// That the one moves so many times as far as the other that no wrong gain of a gyro explains it.
 fn contradiction(recording: &Recording, found: RateAndAngle) -> Option<String> {
     let [least, most] = found.slopes();
     let (what, other, [least, most]) = match (least > CONTRADICTION, most < 1.0 / CONTRADICTION) {
@@ -127,22 +134,37 @@ fn contradiction(recording: &Recording, found: RateAndAngle) -> Option<String> {
         recording.option_to_scale(column, rounded).unwrap_or_default()
     };
     let is_a_unit = most < ONE_FACTOR * least;
-    let read = is_a_unit.then(|| (of("q_rad_s", found.slope()), of("theta_rad", 1.0 / found.slope())));
+    let unit = UNITS.iter().find(|(_, factor)| (found.slope() / factor).ln().abs() < 0.5 * ONE_FACTOR.ln());
+    let remedy = if is_a_unit {
+        format!(
+            "where the rate has another unit{} read it with {}, where the angle has, with {}, or leave one out",
+            unit.map_or(String::new(), |(name, _)| format!(" ({name} would fit)")),
+            of("q_rad_s", found.slope()),
+            of("theta_rad", 1.0 / found.slope())
+        )
+    } else {
+        "leave one out".into()
+    };
     Some(format!(
-        "the {what} moves {} to {} times as far as the {other} says, which is no unit's factor and no sensor's error: they contradict \
-         each other, and with the wrong one the gain is wrong by as much; {}",
+        "the {what} moves {} to {} times as far as the {other} says: they contradict each other, and with the wrong one the gain is wrong by \
+         as much; {remedy}",
         digits(least),
         digits(most),
-        read.map_or("leave one out".into(), |(rate, angle)| format!(
-            "where the rate's unit is not known read it with {rate}, where the angle's, with {angle}, or leave one out"
-        ))
     ))
 }
 
 /// The unit of the rate against the angle's.
 pub fn unit(recordings: &[Recording], data: &Dataset) -> DataCheck {
     const CAUSE: &str = "rate_unit";
-    let clips = data.runs.iter().any(|run| run.rate_limit.is_finite());
+    // A gyro that clips shows less than the motion, and an angle that does.
+    let clips = |recording: &Recording| {
+        let place = recordings.iter().position(|other| std::ptr::eq(other, recording));
+        data.runs.iter().any(|run| Some(run.recording) == place && run.rate_limit.is_finite())
+    };
+    let angle_clips = |recording: &Recording| {
+        let of_angle = |note: &Note| note.kind == NoteKind::Clipped && note.text.contains("theta");
+        recording.notes.iter().any(of_angle)
+    };
     let clear = |recording: &Recording| compare(recording).filter(|c| c.found.correlation.abs() > CORRELATED);
     let wrong = |recording: &Recording| {
         let found = clear(recording)?.found;
@@ -151,8 +173,8 @@ pub fn unit(recordings: &[Recording], data: &Dataset) -> DataCheck {
         let ((what, column), other) = match (near(DEGREES), near(1.0 / DEGREES)) {
             (true, _) => (("angle", "theta_rad"), "rate"),
             (_, true) => (("rate", "q_rad_s"), "angle"),
-            _ if !clips => return contradiction(recording, found),
-            _ => return None,
+            _ if slope > 1.0 && clips(recording) || slope < 1.0 && angle_clips(recording) => return None,
+            _ => return contradiction(recording, found),
         };
         Some(format!(
             "the {what} {column} moves {} times as far as the {other} says: degrees where radians belong; read it with {}",

@@ -22,6 +22,7 @@ use crate::dataset::has_two_levels;
 use crate::linalg::least_squares::least_squares;
 use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, Normal};
+use std::collections::BTreeMap;
 
 /// Rows of the past that are known, and fewest rows that are asked.
 const ROWS: Asked = Asked { memory: 8, fewest: 200 };
@@ -29,13 +30,17 @@ const ROWS: Asked = Asked { memory: 8, fewest: 200 };
 const DECISIONS: Asked = Asked { memory: 4, fewest: 60 };
 /// Rows that an answer may take.
 const LATEST: usize = 3;
-/// Share of the times between two changes that are by a clock, whole numbers of its period, and how far they may be from those, as a share of it.
+/// Share of the times between two changes that are by a clock, whole numbers of its period, and how far they may be from those, as a
+/// share of it.
 const BY_A_CLOCK: f64 = 0.95;
 const JITTER: f64 = 0.15;
-
-/// Share of the values that recur after the period of a sequence that repeats itself.
+/// How far those may be from the most frequent that are the period, as a share of it.
+const NEAR: f64 = 0.25;
+/// Share of the values that recur after the period of a sequence that repeats itself, and most of them that are compared.
 const ALWAYS: f64 = 0.95;
+const LONGEST: usize = 10_000;
 
+#[derive(Clone, Copy)]
 struct Asked {
     memory: usize,
     fewest: usize,
@@ -45,47 +50,59 @@ struct Asked {
 /// little is there to be asked, nothing is new in the input between its switches, or it has two levels: what is new in it is a switch then,
 /// by its own clock.
 pub fn answers(u: &[f64], motion: &[&[f64]], counts: &[bool], effect: f64) -> Option<Test> {
-    let Some((every, rows)) = decisions(u) else { return asked(u, motion, counts, effect, &ROWS) };
-    let at = |signal: &[f64]| -> Vec<f64> { rows.iter().map(|&k| signal[k]).collect() };
-    let motion: Vec<Vec<f64>> = motion.iter().map(|signal| at(signal)).collect();
-    let motion: Vec<&[f64]> = motion.iter().map(Vec::as_slice).collect();
-    let counts: Vec<bool> = rows.iter().map(|&k| counts[k]).collect();
-    let mut test = asked(&at(u), &motion, &counts, effect, &DECISIONS)?;
-    if let Kind::OwnRows { every: rows, .. } = &mut test.kind {
-        *rows = every;
-    }
-    Some(test)
+    decisions(u)
+        .and_then(|(every, rows)| {
+            let at = |signal: &[f64]| -> Vec<f64> { rows.iter().map(|&k| signal[k]).collect() };
+            let motion: Vec<Vec<f64>> = motion.iter().map(|signal| at(signal)).collect();
+            let motion: Vec<&[f64]> = motion.iter().map(Vec::as_slice).collect();
+            let all_counted = |from: usize, to: usize| !counts[from..=to].contains(&false);
+            let since = |i: usize| rows[i.saturating_sub(1)];
+            let counts: Vec<bool> = (0..rows.len()).map(|i| all_counted(since(i), rows[i])).collect();
+            asked(&at(u), &motion, &counts, effect, DECISIONS, every)
+        })
+        .or_else(|| asked(u, motion, counts, effect, ROWS, 1))
 }
 
 /// The rows in which an input may change that keeps its value between them, and how many rows these are apart; `None` where it
 /// changes by no clock or in neighbouring rows, or repeats itself: that was decided beforehand.
 fn decisions(u: &[f64]) -> Option<(usize, Vec<usize>)> {
     let changes: Vec<usize> = (1..u.len()).filter(|&k| u[k] != u[k - 1]).collect();
-    let gaps = || changes.windows(2).map(|pair| (pair[1] - pair[0]) as f64);
-    let shortest = gaps().min_by(f64::total_cmp).filter(|shortest| *shortest > 1.0)?;
-    let short: Vec<f64> = gaps().filter(|gap| *gap < 1.5 * shortest).collect();
-    let every = short.iter().sum::<f64>() / short.len() as f64;
-    let times = |gap: f64| (gap / every).round().max(1.0);
-    let by_the_clock = gaps().filter(|&gap| (gap / every - times(gap)).abs() <= JITTER).count();
-    if (by_the_clock as f64) < BY_A_CLOCK * gaps().count() as f64 {
+    let gaps = || changes.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut seen: BTreeMap<usize, usize> = BTreeMap::new();
+    gaps().for_each(|gap| *seen.entry(gap).or_default() += 1);
+    let usual = *seen.iter().max_by_key(|(_, count)| **count)?.0 as f64;
+    let usual: Vec<f64> =
+        gaps().map(|gap| gap as f64).filter(|gap| (gap / usual - 1.0).abs() < NEAR).collect();
+    let every = usual.iter().sum::<f64>() / usual.len() as f64;
+    let times = |gap: usize| (gap as f64 / every).round().max(1.0);
+    let by_the_clock = gaps().filter(|&gap| (gap as f64 / every - times(gap)).abs() <= JITTER).count();
+    if every < 2.0 || (by_the_clock as f64) < BY_A_CLOCK * gaps().count() as f64 {
         return None;
     }
     let between = changes.windows(2).flat_map(|pair| {
-        let count = times((pair[1] - pair[0]) as f64) as usize;
+        let count = times(pair[1] - pair[0]) as usize;
         (0..count).map(move |i| pair[0] + i * (pair[1] - pair[0]) / count)
     });
     let rows: Vec<usize> = between.collect();
+    let levels: Vec<f64> = rows.iter().take(LONGEST).map(|&k| u[k]).collect();
     let repeats = |period: usize| {
-        let same = rows.iter().zip(&rows[period..]).filter(|(k, later)| u[**k] == u[**later]).count();
-        same as f64 >= ALWAYS * (rows.len() - period) as f64
+        let others = ((1.0 - ALWAYS) * (levels.len() - period) as f64) as usize;
+        levels.iter().zip(&levels[period..]).filter(|(level, later)| level != later).nth(others).is_none()
     };
-    (!(1..=rows.len() / 2).any(repeats)).then(|| (every.round() as usize, rows))
+    (!(1..=levels.len() / 2).any(repeats)).then(|| (every.round() as usize, rows))
 }
 
-fn asked(u: &[f64], motion: &[&[f64]], counts: &[bool], effect: f64, asked: &Asked) -> Option<Test> {
-    let memory = asked.memory;
+/// Asks these rows, which stand for one in `every` of the log.
+fn asked(
+    u: &[f64],
+    motion: &[&[f64]],
+    counts: &[bool],
+    effect: f64,
+    Asked { memory, fewest }: Asked,
+    every: usize,
+) -> Option<Test> {
     let rows: Vec<usize> = (memory..u.len()).filter(|&k| !counts[k - memory..=k].contains(&false)).collect();
-    if rows.len() < asked.fewest || has_two_levels(rows.iter().map(|&k| &u[k])) {
+    if rows.len() < fewest || has_two_levels(rows.iter().map(|&k| &u[k])) {
         return None;
     }
     let u = &standardised(u, &rows);
@@ -115,11 +132,11 @@ fn asked(u: &[f64], motion: &[&[f64]], counts: &[bool], effect: f64, asked: &Ask
                 .filter(|&i| rows[i + lag] == rows[i] + lag && between[i + lag])
                 .map(|i| (e[i], new_input[i + lag]))
                 .collect();
-            if pairs.len() >= asked.fewest {
+            if pairs.len() >= fewest {
                 let r = rank_correlation(&pairs);
                 let against = Normal::standard().cdf(r * (pairs.len() as f64).sqrt() * effect.signum());
                 let share = r * r - 1.0 / pairs.len() as f64;
-                tests.push(Test { p_value: against, share, kind: Kind::OwnRows { later: lag, every: 1 } });
+                tests.push(Test { p_value: against, share, kind: Kind::OwnRows { later: lag, every } });
             }
         }
     }
@@ -202,7 +219,7 @@ mod tests {
         (u, q)
     }
 
-    fn told((u, q): (Vec<f64>, Vec<f64>)) -> Option<Test> {
+    fn answered((u, q): (Vec<f64>, Vec<f64>)) -> Option<Test> {
         answers(&u, &[&q], &vec![true; u.len()], 20.0)
     }
 
@@ -228,11 +245,11 @@ mod tests {
     #[test]
     fn a_controller_that_is_slower_than_the_log_is_asked_where_it_decides() {
         for jitter in [0, 1] {
-            let test = told(slowly(3, jitter, 0.4)).unwrap();
+            let test = answered(slowly(3, jitter, 0.4)).unwrap();
             assert!(test.p_value < ODDS && test.share > 0.02, "{}: {:.0e}", test.told(), test.p_value);
             assert!(test.told().contains("one in 10,"), "{}", test.told());
             let p_values: Vec<f64> =
-                (0..200).map(|seed| told(slowly(seed, jitter, 0.0)).unwrap().p_value).collect();
+                (0..200).map(|seed| answered(slowly(seed, jitter, 0.0)).unwrap().p_value).collect();
             let below = |level: f64| p_values.iter().filter(|p| **p < level).count();
             assert!(below(0.05) <= 20 && below(0.01) <= 7 && below(ODDS) <= 1, "{p_values:?}");
         }
@@ -243,12 +260,17 @@ mod tests {
         assert_eq!(decisions(&levels(60, 1000)).map(|(every, _)| every), Some(60));
         let irregular = (0..2000).map(|k| f64::from((f64::from(k).sqrt() as u32) % 7)).collect::<Vec<_>>();
         assert!(decisions(&irregular).is_none());
+        for odd in [1, 5] {
+            let mut once = slowly(3, 0, 0.4).0;
+            once[2000 + odd..2010].fill(9.0);
+            assert_eq!(decisions(&once).map(|(every, _)| every), Some(10), "one change off the clock");
+        }
     }
 
     #[test]
     fn an_answer_within_the_row_or_soon_after_is_found() {
         for gains in [[0.4, 0.0], [0.0, 0.4]] {
-            let test = told(logged(5, IN_TIME, gains)).unwrap();
+            let test = answered(logged(5, IN_TIME, gains)).unwrap();
             assert!(test.p_value < ODDS && test.share > 0.02, "{}: {:.0e}", test.told(), test.p_value);
         }
     }
@@ -258,7 +280,7 @@ mod tests {
         const SEEDS: u64 = 200;
         let early = Logged { rate_after: true, ..IN_TIME };
         for log in [IN_TIME, early, Logged { input_late: true, ..early }] {
-            let p_values = (0..SEEDS).map(|seed| told(logged(seed, log, [0.0; 2])).unwrap().p_value);
+            let p_values = (0..SEEDS).map(|seed| answered(logged(seed, log, [0.0; 2])).unwrap().p_value);
             let p_values: Vec<f64> = p_values.collect();
             let below = |level: f64| p_values.iter().filter(|p| **p < level).count();
             // 10 and 2 by chance
@@ -271,22 +293,22 @@ mod tests {
         for seed in 0..10 {
             let (u, q) = logged(seed, IN_TIME, [0.0; 2]);
             let smoothed: Vec<f64> = q.windows(7).map(|seven| seven.iter().sum::<f64>() / 7.0).collect();
-            let test = told((u[3..u.len() - 3].to_vec(), smoothed)).unwrap();
+            let test = answered((u[3..u.len() - 3].to_vec(), smoothed)).unwrap();
             assert!(test.p_value > ODDS, "{}: {:.0e}", test.told(), test.p_value);
         }
     }
 
     #[test]
-    fn an_excitation_in_long_steps_is_not_told() {
+    fn an_excitation_in_long_steps_is_not_asked() {
         let staircase: Vec<f64> =
             (0..1500).map(|k| 1500.0 + [0.0, 100.0, -50.0, 200.0][k / 100 % 4]).collect();
         let pulls = |k: usize| (0.01 * k as f64).sin();
         let q: Vec<f64> = (0..1500).map(|k| 1e-3 * staircase[k] + pulls(k)).collect();
-        assert!(told((staircase, q.clone())).is_none() && told((vec![0.0; 1500], q)).is_none());
+        assert!(answered((staircase, q.clone())).is_none() && answered((vec![0.0; 1500], q)).is_none());
     }
 
     #[test]
-    fn two_levels_and_few_rows_are_not_told() {
+    fn two_levels_and_few_rows_are_not_asked() {
         let q: Vec<f64> = (0..400).map(|k| (0.7 * f64::from(k * k % 101)).sin()).collect();
         let relay: Vec<f64> = q.iter().map(|q| -q.signum()).collect();
         assert!(answers(&relay, &[&q], &[true; 400], 1.0).is_none());

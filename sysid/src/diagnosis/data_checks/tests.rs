@@ -92,8 +92,10 @@ fn rate_and_angle_that_contradict_each_other_are_told_with_both_factors() {
         let told = unit(factor, f64::INFINITY);
         assert!(told.stops() && told.words.contains(option), "{told:?}");
     }
+    assert!(unit(60.0 / std::f64::consts::TAU, f64::INFINITY).words.contains("(turns per minute would fit)"));
     let fastest = sound.q.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
-    assert!(!unit(1.0, 0.15 * fastest).stops());
+    assert!(!unit(1.0, 0.15 * fastest).stops(), "a gyro that clips shows less");
+    assert!(unit(8.0, 4.0 * fastest).stops(), "and not more");
 }
 
 #[test]

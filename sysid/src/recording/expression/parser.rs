@@ -1,6 +1,6 @@
 //! The text of an expression, read by descent.
 
-use super::{Expression, Node, Operator};
+use super::{Expression, Node, Operator, evaluate, is_constant};
 use crate::error::{Error, ErrorKind, quote};
 use std::str::FromStr;
 
@@ -164,6 +164,9 @@ impl Parser {
         let low = self.sum(depth)?;
         self.end(',')?;
         let high = self.sum(depth)?;
+        if is_constant(&low) && is_constant(&high) && evaluate(&low, &[]) > evaluate(&high, &[]) {
+            return Err(self.error("the lower end of a limit is above the upper one"));
+        }
         self.end(')')?;
         self.node(Node::Limited(Box::new([value, low, high])))
     }
