@@ -6,6 +6,7 @@ use super::materiality::vaf_ahead;
 use super::past_alone::vaf_of_the_past_alone;
 use super::posterior::is_shape;
 use crate::dataset::{Dataset, Run};
+use crate::estimate::Estimate;
 use crate::identify::fir::ceiling_vaf;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::Fit;
@@ -105,8 +106,15 @@ pub fn gain_unknown(
     let gain = all.iter().find(|e| e.name == "dM_du")?;
     let half = 0.5 * (gain.ci95[1] - gain.ci95[0]);
     let relative = half / gain.value.abs();
-    let names = fit.effects.iter().filter(|e| !e.is_background() && !is_shape(**e));
-    let names: Vec<&str> = names.map(|e| e.about().sentence).collect();
+    // what is known of a term whatever the gain is
+    let known = |i: usize| {
+        let own: Vec<String> = all[fit.own_range(problem, i)].iter().map(Estimate::to_string).collect();
+        let first = all.get(fit.own_range(problem, i).start);
+        let is_known = first.is_some_and(|first| first.ci95[0] * first.ci95[1] > 0.0);
+        if is_known { format!(" ({})", own.join(", ")) } else { String::new() }
+    };
+    let names = fit.effects.iter().enumerate().filter(|(_, e)| !e.is_background() && !is_shape(**e));
+    let names: Vec<String> = names.map(|(i, e)| e.about().sentence.to_owned() + &known(i)).collect();
     let beside = match names.is_empty() {
         true => String::new(),
         false => format!(" once it is asked whether {}", names.join(", and whether ")),
@@ -211,8 +219,9 @@ fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::super::data_checks::fixture::{STEP, flight, normal, read};
-    use super::super::fixture::{asked, flown_by};
+    use super::super::fixture::{asked, effects, flown_by, quarters};
     use super::*;
+    use crate::likelihood::fit::fit_afresh;
     use crate::model::baseline::Baseline;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
@@ -234,6 +243,21 @@ mod tests {
             asked(&flown_by(1, u, |_, _, _| 0.0), |problem, fit| nothing_follows(most_ahead(problem, fit)?)),
             None
         );
+    }
+
+    #[test]
+    fn what_is_known_of_a_term_without_the_gain_is_told() {
+        let u = flight(1, 0.0).u.iter().map(|u| 0.01 * u).collect();
+        // let go: a swing that the air does not make
+        let pushed = |k: usize| if k < 20 { 6.0 } else { 0.0 };
+        let swinging = flown_by(1, u, |k, rate, angle| pushed(k) + 0.2 * rate - 2.0 * angle.sin());
+        let reason = asked(&swinging, |problem, _| {
+            let places: Vec<_> = quarters(problem).into_iter().map(|part| part.places).collect();
+            let with = fit_afresh(problem, &effects(&["gravity_stiffness"]), &[1.0])?;
+            gain_unknown(problem, &with, &Information::new(problem, &with, &places)?, true)
+        });
+        let reason = reason.unwrap();
+        assert!(reason.contains("gravity acts as a spring (G = "), "{reason}");
     }
 
     #[test]
