@@ -204,12 +204,14 @@ fn by_class(
         others + class(&classes[row.branch].1, row.signal)
     };
     let all: usize = classes.iter().map(|(_, edges)| edges.len() + 1).sum();
-    let (mut power, mut rows, mut sums) = (vec![0.0; all], vec![0.0; all], vec![0.0; all]);
+    let (mut power, mut rows) = (vec![0.0; all], vec![0.0; all]);
+    let (mut sums, mut parts) = (vec![0.0; all], vec![0.0; all]);
     for row in counted_rows(stretches) {
         let class = place(row);
         power[class] += row.weight * row.weight;
         rows[class] += 1.0;
         sums[class] += row.signal;
+        parts[class] += row.part;
     }
     let branch_of: Vec<usize> = classes.iter().flat_map(|(i, edges)| vec![*i; edges.len() + 1]).collect();
     let kept: Vec<usize> = (0..all).filter(|&class| power[class] > 0.0).collect();
@@ -222,12 +224,22 @@ fn by_class(
         }
     });
     let kept_branch: Vec<usize> = kept.iter().map(|&class| branch_of[class]).collect();
-    let (into, solution) = resolved(&sums_of, &kept_branch, size)?;
+    let (into, mut solution) = resolved(&sums_of, &kept_branch, size)?;
+    let mut level = 0.0;
+    // A constant moment is another term's, or the background's, and of an input far from zero a large one: a moment of rate or angle is
+    // drawn at the level that the term has.
+    if matches!(picture, Picture::Moment(Signal::Rate | Signal::Angle)) {
+        let every: f64 = kept.iter().map(|&j| rows[j]).sum();
+        let mut weights = vec![0.0; solution.values.len()];
+        kept.iter().zip(&into).for_each(|(&j, &class)| weights[class] += rows[j] / every);
+        solution = solution.about_the_mean(&weights);
+        level = kept.iter().map(|&j| parts[j]).sum::<f64>() / every;
+    }
     for (class, (value, error)) in solution.values.iter().zip(&solution.standard_errors).enumerate() {
         let own: Vec<usize> = (0..kept.len()).filter(|&j| into[j] == class).collect();
         let total = |of: &[f64]| own.iter().map(|&j| of[kept[j]]).sum::<f64>();
         let x = total(&sums) / total(&rows);
-        branches[kept_branch[own[0]]].data.push([x, before + value, *error]);
+        branches[kept_branch[own[0]]].data.push([x, before + level + value, *error]);
     }
     Some(branches)
 }

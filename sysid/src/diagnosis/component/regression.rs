@@ -34,6 +34,21 @@ pub struct Solution {
     pub values: Vec<f64>,
     /// √(κ σ² (A⁻¹)_jj).
     pub standard_errors: Vec<f64>,
+    /// κ σ² A⁻¹.
+    covariance: DMatrix<f64>,
+}
+
+impl Solution {
+    /// The same about the mean by `weights`, which add up to 1: what the data say of the coefficients against each other, whatever they
+    /// have in common.
+    pub fn about_the_mean(&self, weights: &[f64]) -> Self {
+        let count = self.values.len();
+        let less = DMatrix::from_fn(count, count, |i, j| f64::from(u8::from(i == j)) - weights[j]);
+        let covariance = &less * &self.covariance * less.transpose();
+        let values = less * DVector::from_column_slice(&self.values);
+        let standard_errors = covariance.diagonal().iter().map(|variance| variance.max(0.0).sqrt()).collect();
+        Self { values: values.iter().copied().collect(), standard_errors, covariance }
+    }
 }
 
 impl Regression {
@@ -102,10 +117,11 @@ impl Regression {
         };
         let kappa = self.blocks.iter().map(uneven).sum::<f64>() / (m as f64 * variance);
         let scale = kappa.max(1.0) * variance;
-        let inverse = factor.inverse();
-        let standard_errors: Vec<f64> = (0..m).map(|j| (scale * inverse[(j, j)]).sqrt()).collect();
+        let covariance = scale * factor.inverse();
+        let standard_errors: Vec<f64> =
+            covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
         let sound = standard_errors.iter().chain(beta.iter()).all(|x| x.is_finite());
-        sound.then(|| Solution { values: beta.iter().copied().collect(), standard_errors })
+        sound.then(|| Solution { values: beta.iter().copied().collect(), standard_errors, covariance })
     }
 }
 
@@ -158,6 +174,18 @@ mod tests {
         let alone = regression(noise).solve().unwrap().standard_errors[0];
         let together = regression(|k| noise(k) + noise(k / 100)).solve().unwrap().standard_errors[0];
         assert!(together > 3.0 * alone, "{alone} {together}");
+    }
+
+    #[test]
+    fn about_the_mean_what_all_have_in_common_is_gone_with_its_error() {
+        let third = [1.0 / 3.0; 3];
+        let found = regression(|k| 7.0 + noise(k) + 3.0 * noise(k / 100)).solve().unwrap();
+        let about = found.about_the_mean(&third);
+        assert!(about.values.iter().sum::<f64>().abs() < 1e-9 && found.values[0] > 6.0);
+        for (value, truth) in about.values.iter().zip([7.0 / 15.0, -7.0 / 30.0, -7.0 / 30.0]) {
+            assert!((value - truth).abs() < 0.2, "{value}");
+        }
+        assert!(about.standard_errors[0] < found.standard_errors[0]);
     }
 
     #[test]

@@ -60,6 +60,24 @@ fn the_points_are_the_data_and_not_the_term() {
 }
 
 #[test]
+fn a_constant_moment_is_no_part_of_a_spring() {
+    let pulled = |_: usize, _: f64, angle: f64| 0.5 - 3.0 * angle;
+    asked(&flight_with(1, pulled), |problem, baseline| {
+        let fit = extended(problem, baseline, &effects(&["gravity_stiffness"]));
+        let branch = components(problem, &fit).remove(0).branches.remove(0);
+        let mean = |of: &dyn Fn(&[f64; 3]) -> f64| {
+            branch.data.iter().map(of).sum::<f64>() / branch.data.len() as f64
+        };
+        let (angle, moment) = (mean(&|point| point[0]), mean(&|point| point[1]));
+        let product = mean(&|point| (point[0] - angle) * (point[1] - moment));
+        let slope = product / mean(&|point| (point[0] - angle).powi(2));
+        assert!((slope + 3.0).abs() < 0.6, "{slope}");
+        let drawn = branch.with.iter().map(|point| point[1]).sum::<f64>() / branch.with.len() as f64;
+        assert!((moment - drawn).abs() < 0.1, "{moment} beside {drawn}");
+    });
+}
+
+#[test]
 fn a_lag_rises_after_a_step_and_a_window_opens_and_closes() {
     let window = |k: usize, _: f64, _: f64| if (800..1200).contains(&k) { 1.0 } else { 0.0 };
     asked(&flight_with(1, window), |problem, baseline| {
