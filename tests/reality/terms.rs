@@ -47,7 +47,7 @@ fn one_set_of_numbers(diagnosis: &Diagnosis) {
     }
     let plant = [("dM_dq", model.plant.dm_dq), ("dM_du", model.plant.dm_du)];
     for (name, written) in plant {
-        let told = answer.fit.extended.parameters.iter().find(|p| p.name == name);
+        let told = answer.told().parameters.iter().find(|p| p.name == name);
         same(told.unwrap_or_else(|| panic!("{name} is not told")), written.as_ref());
     }
 }

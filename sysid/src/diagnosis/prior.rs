@@ -7,8 +7,8 @@
 //! A term that says no more than two others together, as friction with another value each way, is believed a tenth as readily as
 //! they are: drives, sensors and weights have offsets on every rig. One that says all but the same as a single other, as a straight
 //! spring over small angles, is believed a hundredth as readily: what hangs on a pivot has its weight, and few a spring. Beside
-//! a spring that stiffens it is believed as readily: that one is straight before it stiffens. A weight is believed as far as the body
-//! that it would take ([`log_prior_of_weight`]): a drive that holds a position pulls back over small angles as no weight does.
+//! a spring that stiffens it is believed as readily: that one is straight before it stiffens. So it is where no body would be small
+//! enough for the weight ([`log_prior_of_spring`]): a drive that holds a position pulls back as no weight does.
 //!
 //! What holds a craft aside is no further term: nine in ten such craft have it ([`super::another_zero`]).
 
@@ -66,14 +66,18 @@ pub fn log_prior(problem: &Problem<'_>, effects: &[&'static dyn Effect], candida
     all - held.iter().map(of).sum::<f64>() + log_prior_of_holder(effects)
 }
 
-/// Radius of gyration of what swings on a rig, m, the middle one, and the spread of its logarithm: arms, rotorcraft and pendulums of
-/// 5 to 20 cm are two in three.
-const RADIUS: [f64; 2] = [0.1, 0.7];
+/// Radius of gyration of the least that swings on a rig, m, the middle one, and the spread of its logarithm: a rod of 10 cm has 3 cm.
+const RADIUS: [f64; 2] = [0.03, 0.7];
 
-/// ln of the prior odds that a body is as small as the gravity in `fit` asks, m g l/Iyy ≤ g/2r, over the range that a spring has; 0
-/// without gravity.
-pub fn log_prior_of_weight(problem: &Problem<'_>, fit: &Fit) -> f64 {
-    let Some(own) = fit.range_of(problem, GravityStiffness.about().id) else { return 0.0 };
+/// ln of the odds by which the straight spring in `fit` is believed more readily than [`log_prior`] has it, that it is none of a weight:
+/// no more of the weights is that stiff than of bodies is as small, m g l/Iyy ≤ g/2r. Both are compared over the range of a weight.
+/// 0 without a straight spring, and where that is believed as readily as others anyway.
+pub fn log_prior_of_spring(problem: &Problem<'_>, fit: &Fit, candidates: &Candidates) -> f64 {
+    let Some(own) = fit.range_of(problem, LinearStiffness.about().id) else { return 0.0 };
+    let has = |id: &str, all: &[&'static dyn Effect]| all.iter().any(|effect| effect.about().id == id);
+    if has(STIFFENS, &fit.effects) || !has(GravityStiffness.about().id, &candidates.named) {
+        return 0.0;
+    }
     let stiffness = fit.minimum.values[own.start].abs() / problem.baseline.plant.inertia;
     let largest = 0.5 * G / stiffness.max(f64::MIN_POSITIVE);
     let [middle, spread] = RADIUS;
@@ -81,7 +85,8 @@ pub fn log_prior_of_weight(problem: &Problem<'_>, fit: &Fit) -> f64 {
     let width = |effect: &dyn Effect| {
         effect.parameters(&problem.sizes).iter().map(|p| p.upper - p.lower).sum::<f64>()
     };
-    (smaller * width(&GravityStiffness) / width(&LinearStiffness)).ln()
+    let more = 1.0 / smaller.max(UNUSUAL);
+    (more * width(&LinearStiffness) / width(&GravityStiffness)).ln()
 }
 
 #[cfg(test)]
@@ -154,23 +159,27 @@ mod tests {
     }
 
     #[test]
-    fn a_weight_is_believed_as_far_as_the_body_that_it_would_take() {
-        asked(&flight(1, 0.0), |problem, fit| {
-            let with = |stiffness: f64| {
-                let effects = effects(&["gravity_stiffness"]);
-                let minimum = &fit.minimum;
-                let values = [&minimum.values[..], &[stiffness * problem.baseline.plant.inertia]].concat();
-                let minimum = Minimum { values, ..minimum.clone() };
-                log_prior_of_weight(problem, &Fit { effects, minimum })
-            };
-            assert_eq!(log_prior_of_weight(problem, fit), 0.0);
-            let light = with(1e-9);
-            assert!(light <= 0.0, "no more than a spring's range: {light}");
-            // g/2r is 49 1/s² at 10 cm, the middle of them
-            assert!((with(49.05) - light - 0.5_f64.ln()).abs() < 1e-6);
-            assert_eq!(with(-49.05), with(49.05));
-            assert!(with(20.0) - light > -0.2 && with(400.0) - light < -5.0);
-        });
+    fn a_spring_is_believed_as_no_body_is_small_enough_for_the_weight() {
+        let of = |ids: &[&str], stiffness: f64, named: &[&str]| {
+            asked(&flight(1, 0.0), |problem, fit| {
+                let own = vec![stiffness * problem.baseline.plant.inertia; ids.len()];
+                let values = [fit.minimum.values.clone(), own].concat();
+                let fit = Fit { effects: effects(ids), minimum: Minimum { values, ..fit.minimum.clone() } };
+                let candidates = Candidates { named: effects(named), shapes: Vec::new() };
+                log_prior_of_spring(problem, &fit, &candidates)
+            })
+        };
+        let both = ["gravity_stiffness", "linear_stiffness"];
+        let spring = |stiffness| of(&["linear_stiffness"], stiffness, &both);
+        let soft = spring(1e-9);
+        assert!(soft >= 0.0, "over the narrower range of a weight: {soft}");
+        // g/2r is 163.5 1/s² at 3 cm, the middle of them
+        assert!((spring(163.5) - soft - 2.0_f64.ln()).abs() < 1e-6);
+        assert_eq!(spring(-163.5), spring(163.5));
+        assert!((spring(1e4) - soft - 100.0_f64.ln()).abs() < 1e-6, "as readily, and no more");
+        assert_eq!(of(&["gravity_stiffness"], 400.0, &both), 0.0);
+        assert_eq!(of(&["linear_stiffness", "cubic_stiffness"], 400.0, &both), 0.0);
+        assert_eq!(of(&["linear_stiffness"], 400.0, &["linear_stiffness"]), 0.0);
     }
 
     #[test]

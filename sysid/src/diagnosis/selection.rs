@@ -14,7 +14,7 @@ use super::excerpt::{carried, excerpt};
 use super::input_hold::shapes_the_answer;
 use super::levels::{MOST_TERMS, PLAUSIBLE};
 use super::posterior::{Selection, Visited, is_shape};
-use super::prior::{log_prior, log_prior_of_weight};
+use super::prior::{log_prior, log_prior_of_spring};
 use super::rotation::all_but_the_same;
 use super::search::{Prospect, fit_one_more, screen};
 use crate::catalogue::roll_off::RollOff;
@@ -186,8 +186,8 @@ impl Search<'_, '_> {
             return Some(place);
         }
         let information = Information::new(self.problem, &fit, self.parts)?;
-        let log_prior =
-            log_prior(self.problem, &fit.effects, &self.candidates) + log_prior_of_weight(self.problem, &fit);
+        let log_prior = log_prior(self.problem, &fit.effects, &self.candidates)
+            + log_prior_of_spring(self.problem, &fit, &self.candidates);
         let visited = Visited { log_prior, fit, information };
         Some(match known {
             Some(place) => {
