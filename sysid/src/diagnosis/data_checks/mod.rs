@@ -242,10 +242,15 @@ pub fn everywhere(causes: &[DataCheck], data: &Dataset) -> Location {
 
 /// What reading said of a signal that is too large for its unit.
 fn too_large<'r>(recording: &'r Recording, target: &str) -> Option<&'r str> {
+    noted(recording, NoteKind::Unit, target, "reaches")
+}
+
+/// The note of this kind on a signal, by whatever name its column has in the file, that begins with what the signal does.
+fn noted<'r>(recording: &'r Recording, kind: NoteKind, target: &str, does: &str) -> Option<&'r str> {
     let column = recording.columns.iter().find(|map| map.target == target)?;
-    let begin = format!("{} reaches", column.source.label());
+    let begin = format!("{} {does}", column.source.label());
     let mut notes = recording.notes.iter();
-    notes.find(|n| n.kind == NoteKind::Unit && n.text.starts_with(&begin)).map(|n| n.text.as_str())
+    notes.find(|n| n.kind == kind && n.text.starts_with(&begin)).map(|n| n.text.as_str())
 }
 
 /// Texts of several recordings as one, each with its file's name where there are several.

@@ -1,11 +1,11 @@
 //! Do rate and angle tell of one motion? Δθ against ∫q dt: the sign and the unit of the one against the other.
 
-use super::{DEGREES, DataCheck, Gravity, joined, too_large};
+use super::{DEGREES, DataCheck, Gravity, joined, noted, too_large};
 use crate::dataset::Dataset;
 use crate::estimate::digits;
 use crate::model::baseline::rough_gain;
 use crate::recording::rate_and_angle::{RateAndAngle, rate_and_angle};
-use crate::recording::{Note, NoteKind, Recording};
+use crate::recording::{NoteKind, Recording};
 
 /// Times over which ∫q dt is compared with Δθ, s: a gyro with a slow filter agrees over the longer one.
 const WINDOWS: [f64; 2] = [0.2, 1.0];
@@ -161,10 +161,8 @@ pub fn unit(recordings: &[Recording], data: &Dataset) -> DataCheck {
         let place = recordings.iter().position(|other| std::ptr::eq(other, recording));
         data.runs.iter().any(|run| Some(run.recording) == place && run.rate_limit.is_finite())
     };
-    let angle_clips = |recording: &Recording| {
-        let of_angle = |note: &Note| note.kind == NoteKind::Clipped && note.text.contains("theta");
-        recording.notes.iter().any(of_angle)
-    };
+    let angle_clips =
+        |recording: &Recording| noted(recording, NoteKind::Clipped, "theta_rad", "stays").is_some();
     let clear = |recording: &Recording| compare(recording).filter(|c| c.found.correlation.abs() > CORRELATED);
     let wrong = |recording: &Recording| {
         let found = clear(recording)?.found;

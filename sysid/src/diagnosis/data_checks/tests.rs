@@ -96,6 +96,14 @@ fn rate_and_angle_that_contradict_each_other_are_told_with_both_factors() {
     let fastest = sound.q.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
     assert!(!unit(1.0, 0.15 * fastest).stops(), "a gyro that clips shows less");
     assert!(unit(8.0, 4.0 * fastest).stops(), "and not more");
+    let farthest = sound.theta.iter().fold(0.0_f64, |most, theta| most.max(theta.abs()));
+    let theta = sound.theta.iter().map(|theta| theta.clamp(-0.15 * farthest, 0.15 * farthest)).collect();
+    let text = Flight { theta, ..sound.clone() }.text().replace("theta_rad", "arm");
+    let options = ReadOptions { columns: vec!["theta_rad=arm".parse().unwrap()], ..ReadOptions::default() };
+    let at_its_end = parse("log.csv", text.as_bytes(), &options).unwrap();
+    assert!(noted(&at_its_end, NoteKind::Clipped, "theta_rad", "stays").is_some(), "by the file's name");
+    let data = Dataset::new(std::slice::from_ref(&at_its_end)).unwrap();
+    assert!(!motion::unit(&[at_its_end], &data).stops(), "an angle that clips shows less");
 }
 
 #[test]
@@ -330,6 +338,11 @@ fn more_than_a_hundred_per_cent_is_a_command_before_its_limit() {
         found.stops() && found.words.contains("--column 'u_pct=limit(u_pct*-20000,-100,100)'"),
         "{found:?}"
     );
+    let text = flight(1, 0.0).text().replace("u_rad", "u_pct");
+    let wild = text.replacen(",0.015,", ",655.35,", 3);
+    assert_ne!(wild, text);
+    let spike = parse("log.csv", wild.as_bytes(), &ReadOptions::default()).unwrap();
+    assert!(!channels::saturation(&[spike]).stops(), "a wild value is no command");
 }
 
 #[test]
