@@ -13,6 +13,9 @@ use crate::recording::{InputHold, InputUnit, Recording, Section, WHOLE};
 use core::ops::Range;
 pub(crate) use input::has_two_levels;
 
+/// Largest rate of the lesser way, as a share of that of the other, from which an axis moves both ways.
+const TURNING: f64 = 0.05;
+
 /// One stretch of uniformly sampled signals without a gap.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -277,6 +280,13 @@ impl Dataset {
         self.smoothing.is_some_and(|smoothing| smoothing.in_use)
     }
 
+    /// Whether the axis moves both ways: what shows where a motion turns, cannot without.
+    pub fn turns(&self) -> bool {
+        let rates = self.runs.iter().flat_map(Run::rate_or_slope);
+        let (least, most) = rates.fold((0.0f64, 0.0f64), |(low, high), rate| (low.min(rate), high.max(rate)));
+        (-least).min(most) > TURNING * (-least).max(most)
+    }
+
     /// Where the clock of the first recording stands at its start, s: moments in time are counted from there in the model.
     pub fn origin(&self) -> f64 {
         self.runs.first().map_or(0.0, |run| run.origin)
@@ -443,4 +453,22 @@ fn sections_within(
         }
     }
     sections
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::data_checks::fixture::{Flight, flight};
+
+    #[test]
+    fn an_axis_turns_where_it_moves_both_ways() {
+        let turns = |flown: &Flight| Dataset::new(&[flown.recording()]).unwrap().turns();
+        let there_and_back = flight(1, 0.0);
+        let one_way = |slowest: f64| Flight {
+            q: there_and_back.q.iter().map(|q| q.abs() + slowest).collect(),
+            ..there_and_back.clone()
+        };
+        assert!(turns(&there_and_back));
+        assert!(!turns(&one_way(0.0)) && !turns(&one_way(-0.001)));
+    }
 }

@@ -1,6 +1,7 @@
 //! Friction that yields elastically before it slides.
 
-use crate::dataset::Amplitudes;
+use crate::dataset::{Amplitudes, Dataset};
+use crate::model::baseline::Baseline;
 use crate::model::effect::{About, Conditions, Effect, Locus, Parameter, Picture, Scale};
 
 /// M −= Mh z, ż = (k/Mh) (q − |q| z): the model of Bouc and Wen (Wen, Journal of the Engineering Mechanics Division 102,
@@ -56,6 +57,9 @@ impl Effect for Hysteresis {
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         let unit = data.moment / data.theta;
         [0.3, 2.0, 20.0].map(|share| vec![0.15 * data.moment, share * unit]).to_vec()
+    }
+    fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
+        data.turns()
     }
     fn states(&self) -> usize {
         1

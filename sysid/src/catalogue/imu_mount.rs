@@ -16,8 +16,8 @@ pub struct ImuMount;
 const SOFTEST_HZ: f64 = 2.5;
 /// Share of the rate of the rows up to which a mode is seen in them.
 const SEEN_TO: f64 = 0.45;
-/// Damping ratio of the softest rubber (a loss factor of 1.4): a mode that is damped more is a lag.
-const MOST_DAMPING: f64 = 0.7;
+/// Damping ratio of the softest rubber (a loss factor of 1.2): a mode that is damped more is a lag.
+const MOST_DAMPING: f64 = 0.6;
 
 impl Effect for ImuMount {
     fn about(&self) -> About {
@@ -57,6 +57,12 @@ impl Effect for ImuMount {
         data.has_rate
             && baseline.plant.mount.is_none()
             && data.runs.iter().all(|run| SEEN_TO / run.step > SOFTEST_HZ)
+    }
+    fn rings(&self, p: &[f64]) -> Option<[f64; 2]> {
+        Some([p[0], p[1]])
+    }
+    fn start_ringing(&self, f_hz: f64, zeta: f64) -> Option<Vec<f64>> {
+        Some(vec![f_hz, zeta])
     }
     fn plant(&self, p: &[f64], plant: &mut Plant) {
         plant.mount = Some(Mount::from_mode(p[0], p[1], CARRIED_SHARE * plant.inertia));

@@ -33,6 +33,12 @@ impl Effect for ServoSecondOrder {
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         [0.022, 0.045, 0.09, 0.18].map(|share| vec![share / data.step, 0.3]).to_vec()
     }
+    fn rings(&self, p: &[f64]) -> Option<[f64; 2]> {
+        Some([p[0], p[1]])
+    }
+    fn start_ringing(&self, f_hz: f64, zeta: f64) -> Option<Vec<f64>> {
+        Some(vec![f_hz, zeta])
+    }
     fn states(&self) -> usize {
         2
     }

@@ -39,6 +39,12 @@ impl Effect for SlungLoad {
     fn starts(&self, _data: &Amplitudes) -> Vec<Vec<f64>> {
         [0.4, 0.7, 1.2, 2.2].map(|f_hz| vec![f_hz, 0.1, 0.05]).to_vec()
     }
+    fn rings(&self, p: &[f64]) -> Option<[f64; 2]> {
+        Some([p[0], p[2]])
+    }
+    fn start_ringing(&self, f_hz: f64, zeta: f64) -> Option<Vec<f64>> {
+        Some(vec![f_hz, 0.1, zeta])
+    }
     fn states(&self) -> usize {
         2
     }

@@ -56,6 +56,12 @@ impl Effect for StructuralMode {
         let seen = |start: &Vec<f64>| start[0] < 1.0 / data.step;
         self.starts(data).into_iter().chain(at_lines.filter(seen)).collect()
     }
+    fn rings(&self, p: &[f64]) -> Option<[f64; 2]> {
+        Some([p[0] / TAU, p[1]])
+    }
+    fn start_ringing(&self, f_hz: f64, zeta: f64) -> Option<Vec<f64>> {
+        Some(vec![TAU * f_hz, zeta, 0.1])
+    }
     fn states(&self) -> usize {
         2
     }

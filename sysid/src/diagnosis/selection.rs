@@ -346,7 +346,7 @@ impl Search<'_, '_> {
             for simpler in self.visit_instead(current, |general, e| general.generalises(e)) {
                 self.once_more(simpler, &self.candidates.named.clone());
             }
-            for other in self.visit_instead(current, all_but_the_same) {
+            for other in self.visit_instead(current, |one, e| all_but_the_same(one, e) || both_ring(one, e)) {
                 self.visit_without(other);
             }
             self.visit_change_instead(current);
@@ -409,7 +409,9 @@ impl Search<'_, '_> {
                 values.drain(fit.own_range(self.problem, i));
                 effects.remove(i);
                 effects.push(other);
-                let starts = other.starts(&self.problem.sizes).into_iter();
+                let rung = fit.effects[i].rings(&fit.minimum.values[fit.own_range(self.problem, i)]);
+                let ringing = rung.and_then(|[f_hz, zeta]| other.start_ringing(f_hz, zeta));
+                let starts = other.starts(&self.problem.sizes).into_iter().chain(ringing);
                 let fits = starts.filter_map(|own| {
                     fit_from(self.problem, &effects, &[&values[..], &own].concat(), SKETCH)
                 });
@@ -489,6 +491,12 @@ pub fn without(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<Fit> {
     values.drain(fit.own_range(problem, i));
     effects.remove(i);
     refit(problem, &effects, &values).map(|fit| best_moment(problem, fit))
+}
+
+/// Whether either of two effects rings: the likelihood of a light damping is a narrow valley, and one that lies in it shows another
+/// the way.
+fn both_ring(one: &dyn Effect, other: &dyn Effect) -> bool {
+    [one, other].iter().all(|effect| effect.start_ringing(1.0, 0.1).is_some())
 }
 
 /// `fit` without its `i`-th effect, of which another one of its class with as many parameters takes over the values: of a lag that is

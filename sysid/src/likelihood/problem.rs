@@ -65,6 +65,10 @@ const STAMPED_EARLY: f64 = 1.5;
 const LONGEST_DELAY: f64 = 0.3;
 /// Time after the start of a run that the predictor takes to settle, s.
 const SETTLING: f64 = 1.0;
+/// Motion before the input first moves, as a share of the signal's size, of a run that begins at rest;
+const AT_REST: f64 = 0.1;
+/// rows for which it has to last.
+const RESTING_ROWS: usize = 5;
 /// Mean angle from which its zero matters, as a share of the angle's spread.
 const ASIDE: f64 = 0.5;
 /// Standard deviation of the prior on ln(mount frequency): the user's model may be off by half.
@@ -80,20 +84,21 @@ const LEAST_DAMPING: f64 = 0.2;
 const MOUNT_DAMPING_PRIOR: f64 = 0.7;
 
 impl<'a> Problem<'a> {
-    /// Counts all rows but those of the places in `held_out`, and the first second of every run.
+    /// Counts all rows but those of the places in `held_out`, and the first second of every run that does not begin at rest.
     pub fn new(data: &'a Dataset, baseline: &'a Baseline, held_out: &[Place]) -> Self {
+        let sizes = data.amplitudes(baseline.plant.inertia, baseline.plant.dm_du);
         let mut counted: Vec<Vec<bool>> = data
             .runs
             .iter()
             .map(|run| {
                 let settled = ((SETTLING / run.step).ceil() as usize).min(run.len() / 4);
-                (0..run.len()).map(|k| k >= settled).collect()
+                let known = begins_at_rest(run, &sizes);
+                (0..run.len()).map(|k| known || k >= settled).collect()
             })
             .collect();
         for place in held_out {
             counted[place.run][place.rows.clone()].fill(false);
         }
-        let sizes = data.amplitudes(baseline.plant.inertia, baseline.plant.dm_du);
         let hangs_aside = data.mean_angle().is_some_and(|angle| angle.abs() > ASIDE * sizes.theta);
         Self { data, baseline, sizes, hangs_aside, counted, whole: None }
     }
@@ -448,6 +453,19 @@ impl<'a> Problem<'a> {
     }
 }
 
+/// Whether nothing moves from the first row of `run` until its input does: then the predictor begins at the truth, and what a step
+/// within the first second tells is not lost.
+fn begins_at_rest(run: &Run, sizes: &Amplitudes) -> bool {
+    let Some(moved) = run.u.iter().position(|&u| u != run.u[0]) else { return false };
+    let rests = |signal: &Option<Vec<f64>>, size: f64| {
+        signal
+            .as_ref()
+            .is_none_or(|signal| signal[..moved].iter().all(|now| (now - signal[0]).abs() < AT_REST * size))
+    };
+    let slow = run.rate.as_ref().is_none_or(|rate| rate[0].abs() < AT_REST * sizes.q);
+    moved >= RESTING_ROWS && slow && rests(&run.rate, sizes.q) && rests(&run.angle, sizes.theta)
+}
+
 /// The coordinate of a parameter.
 pub fn coordinate_of(p: &Parameter) -> Coordinate {
     let (log, step) = match p.scale {
@@ -466,4 +484,25 @@ fn coordinate(name: &str, unit: &str, bounds: [f64; 2], log: bool, unit_step: f6
 pub fn mode_of(mount: &Mount) -> (f64, f64) {
     let omega = (mount.stiffness / mount.inertia).sqrt();
     (omega / core::f64::consts::TAU, mount.damping / (2.0 * mount.inertia * omega))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model};
+
+    /// Whether the first row counts of the test flight with its first `rows` at a zero input, the rate `q` and the angle `theta`.
+    fn counts_from(rows: usize, q: f64, theta: f64) -> bool {
+        let mut flown = flight(1, 0.0);
+        for (signal, value) in [(&mut flown.u, 0.0), (&mut flown.q, q), (&mut flown.theta, theta)] {
+            signal[..rows].fill(value);
+        }
+        fitted(&flown.recording(), &model(GAIN, 0.06), |_, problem, _| problem.counted[0][0])
+    }
+
+    #[test]
+    fn the_first_second_counts_where_nothing_moves_before_the_input_does() {
+        assert!(counts_from(25, 0.0, 0.0), "at rest");
+        assert!(!counts_from(0, 0.0, 0.0), "in the middle of an excitation");
+        assert!(!counts_from(25, 0.5, 0.0), "turning");
+    }
 }

@@ -201,6 +201,14 @@ pub trait Effect: Sync {
     fn turns(&self) -> Option<usize> {
         None
     }
+    /// Frequency in Hz and damping ratio at which it rings with the parameters `p`.
+    fn rings(&self, _p: &[f64]) -> Option<[f64; 2]> {
+        None
+    }
+    /// Where the search starts in the place of another effect that rings at `f_hz` with the damping ratio `zeta`.
+    fn start_ringing(&self, _f_hz: f64, _zeta: f64) -> Option<Vec<f64>> {
+        None
+    }
     /// The one frequency at which it acts, Hz.
     fn acts_at_frequency(&self, _p: &[f64]) -> Option<f64> {
         None

@@ -369,6 +369,13 @@ fn plateaus_are_told_but_not_the_two_levels_of_an_excitation() {
         described.state == State::Found && described.words.contains("u_rad stays at 0.0200"),
         "{described:?}"
     );
+    // two steps down and one up, commanded within the loop
+    let mut stepped = flight(1, 0.05);
+    let least = stepped.u.iter().copied().fold(0.0, f64::min) - 0.01;
+    for (level, rows) in [(least, 800..830), (0.5 * least.abs(), 830..850), (least, 850..870)] {
+        stepped.u[rows].fill(level);
+    }
+    assert_eq!(channels::saturation(&[stepped.recording()]).state, State::RuledOut);
     // a random sequence of two levels, drawn again in every sample
     let mut random = Pcg64::seed_from_u64(1);
     let mut drawn = || if normal(&mut random) > 0.0 { 0.02 } else { -0.02 };

@@ -1,6 +1,6 @@
 use super::*;
 use crate::catalogue::{CATALOGUE, find};
-use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model, normal};
+use crate::diagnosis::data_checks::fixture::{Flight, GAIN, STEP, fitted, flight, model, normal};
 use crate::diagnosis::fixture::{asked, effects, extended, flight_with, flown_by, lagging};
 use crate::diagnosis::posterior::Finding;
 use crate::likelihood::fit::fit_baseline;
@@ -112,5 +112,38 @@ fn a_limit_that_the_log_shows_is_found_however_far_the_rest_has_to_move() {
         let gain = problem.unpack(&fit.effects, &fit.minimum.values).plant.dm_du;
         assert!(fit.position("gyro_saturation").is_some(), "{:?}", fit.ids());
         assert!((gain / GAIN - 1.0).abs() < 0.1, "{gain}: without the limit it is an eighth of it");
+    });
+}
+
+#[test]
+fn a_mode_that_rings_as_the_servo_does_shows_the_way_to_it() {
+    let (omega, zeta, fine) = (18.3, 0.1, 20);
+    let Flight { u, .. } = flight(2, 0.0);
+    let (mut blades, mut speed, dt) = (0.0, 0.0, STEP / f64::from(fine));
+    let mut mean = |u: f64| {
+        let sum = (0..fine).map(|_| {
+            speed += dt * (omega * omega * (u - blades) - 2.0 * zeta * omega * speed);
+            blades += dt * speed;
+            blades
+        });
+        sum.sum::<f64>() / f64::from(fine)
+    };
+    let missing: Vec<f64> = u.iter().map(|&u| mean(u) - u).collect();
+    let ringing = flown_by(2, u, |k, _, _| if k >= 3 { GAIN * missing[k - 3] } else { 0.0 });
+    asked(&ringing, |problem, plain| {
+        let named = effects(&["structural_mode", "servo_second_order"]);
+        let start = [&plain.minimum.values[..], &[omega, zeta, -1.0]].concat();
+        let mode = refit(problem, &named[..1], &start).unwrap();
+        let mut search = Search {
+            problem,
+            candidates: Candidates { named, shapes: Vec::new() },
+            parts: &[],
+            visited: Vec::new(),
+            rounds: Vec::new(),
+            progress: &|_| (),
+            doing: String::new(),
+        };
+        let found = search.visit(mode).map(|place| search.exchange(place)).unwrap();
+        assert_eq!(search.visited[found].names(), ["servo_second_order"]);
     });
 }
