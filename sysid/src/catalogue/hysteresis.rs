@@ -59,7 +59,7 @@ impl Effect for Hysteresis {
         [0.3, 2.0, 20.0].map(|share| vec![0.15 * data.moment, share * unit]).to_vec()
     }
     fn applies(&self, _baseline: &Baseline, data: &Dataset) -> bool {
-        data.turns()
+        data.moves_both_ways()
     }
     fn states(&self) -> usize {
         1

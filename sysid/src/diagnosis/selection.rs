@@ -493,7 +493,7 @@ pub fn without(problem: &Problem<'_>, fit: &Fit, i: usize) -> Option<Fit> {
     refit(problem, &effects, &values).map(|fit| best_moment(problem, fit))
 }
 
-/// Whether either of two effects rings: the likelihood of a light damping is a narrow valley, and one that lies in it shows another
+/// Whether both effects ring: the likelihood of a light damping is a narrow valley, and one that lies in it shows another
 /// the way.
 fn both_ring(one: &dyn Effect, other: &dyn Effect) -> bool {
     [one, other].iter().all(|effect| effect.start_ringing(1.0, 0.1).is_some())

@@ -67,8 +67,8 @@ const LONGEST_DELAY: f64 = 0.3;
 const SETTLING: f64 = 1.0;
 /// Motion before the input first moves, as a share of the signal's size, of a run that begins at rest;
 const AT_REST: f64 = 0.1;
-/// rows for which it has to last.
-const RESTING_ROWS: usize = 5;
+/// and the least time for which it has to last, s.
+const RESTING: f64 = 0.15;
 /// Mean angle from which its zero matters, as a share of the angle's spread.
 const ASIDE: f64 = 0.5;
 /// Standard deviation of the prior on ln(mount frequency): the user's model may be off by half.
@@ -84,7 +84,8 @@ const LEAST_DAMPING: f64 = 0.2;
 const MOUNT_DAMPING_PRIOR: f64 = 0.7;
 
 impl<'a> Problem<'a> {
-    /// Counts all rows but those of the places in `held_out`, and the first second of every run that does not begin at rest.
+    /// Counts all rows but those of the places in `held_out`, and the first second of every run; of one that begins at rest, what comes
+    /// before its input first moves.
     pub fn new(data: &'a Dataset, baseline: &'a Baseline, held_out: &[Place]) -> Self {
         let sizes = data.amplitudes(baseline.plant.inertia, baseline.plant.dm_du);
         let mut counted: Vec<Vec<bool>> = data
@@ -92,8 +93,8 @@ impl<'a> Problem<'a> {
             .iter()
             .map(|run| {
                 let settled = ((SETTLING / run.step).ceil() as usize).min(run.len() / 4);
-                let known = begins_at_rest(run, &sizes);
-                (0..run.len()).map(|k| known || k >= settled).collect()
+                let settled = rests_until(run, &sizes).map_or(settled, |moved| settled.min(moved));
+                (0..run.len()).map(|k| k >= settled).collect()
             })
             .collect();
         for place in held_out {
@@ -453,17 +454,24 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Whether nothing moves from the first row of `run` until its input does: then the predictor begins at the truth, and what a step
-/// within the first second tells is not lost.
-fn begins_at_rest(run: &Run, sizes: &Amplitudes) -> bool {
-    let Some(moved) = run.u.iter().position(|&u| u != run.u[0]) else { return false };
-    let rests = |signal: &Option<Vec<f64>>, size: f64| {
-        signal
-            .as_ref()
-            .is_none_or(|signal| signal[..moved].iter().all(|now| (now - signal[0]).abs() < AT_REST * size))
+/// The row of `run` at which its input first moves, where nothing else has moved before: the predictor is where the axis is, and
+/// what a step within the first second tells is not lost. Asked of the beginning of a recording alone: a hold of the input
+/// after a gap may be one of many.
+fn rests_until(run: &Run, sizes: &Amplitudes) -> Option<usize> {
+    let moved = run.u.iter().position(|&u| u != run.u[0])?;
+    let rested = (RESTING / run.step).ceil() as usize;
+    if run.start != run.origin || moved < rested.max(2) {
+        return None;
+    }
+    let keeps = |signal: &[f64], size: f64| {
+        signal[..moved].iter().all(|value| (value - signal[0]).abs() < AT_REST * size)
     };
-    let slow = run.rate.as_ref().is_none_or(|rate| rate[0].abs() < AT_REST * sizes.q);
-    moved >= RESTING_ROWS && slow && rests(&run.rate, sizes.q) && rests(&run.angle, sizes.theta)
+    let angle = run.angle_or_sum();
+    let drifted = (angle[moved - 1] - angle[0]) / ((moved - 1) as f64 * run.step);
+    let rests = drifted.abs() < AT_REST * sizes.q
+        && run.rate.as_deref().is_none_or(|rate| keeps(rate, sizes.q))
+        && run.angle.as_deref().is_none_or(|angle| keeps(angle, sizes.theta));
+    rests.then_some(moved)
 }
 
 /// The coordinate of a parameter.
@@ -489,20 +497,33 @@ pub fn mode_of(mount: &Mount) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use crate::diagnosis::data_checks::fixture::{GAIN, fitted, flight, model};
+    use crate::recording::Recording;
 
-    /// Whether the first row counts of the test flight with its first `rows` at a zero input, the rate `q` and the angle `theta`.
-    fn counts_from(rows: usize, q: f64, theta: f64) -> bool {
+    /// The first row that counts of the test flight with its first `rows` at a zero input, the rate and the angle by `moved` of the row;
+    /// with its angle alone too.
+    fn counts_from(rows: usize, moved: impl Fn(usize) -> [f64; 2]) -> [usize; 2] {
         let mut flown = flight(1, 0.0);
-        for (signal, value) in [(&mut flown.u, 0.0), (&mut flown.q, q), (&mut flown.theta, theta)] {
-            signal[..rows].fill(value);
+        flown.u[..rows].fill(0.0);
+        for k in 0..rows {
+            [flown.q[k], flown.theta[k]] = moved(k);
         }
-        fitted(&flown.recording(), &model(GAIN, 0.06), |_, problem, _| problem.counted[0][0])
+        let mut recording = flown.recording();
+        let first = |recording: &Recording| {
+            fitted(recording, &model(GAIN, 0.06), |_, problem, _| problem.counted[0].iter().position(|c| *c))
+        };
+        let both = first(&recording);
+        recording.q = None;
+        [both.unwrap(), first(&recording).unwrap()]
     }
 
     #[test]
-    fn the_first_second_counts_where_nothing_moves_before_the_input_does() {
-        assert!(counts_from(25, 0.0, 0.0), "at rest");
-        assert!(!counts_from(0, 0.0, 0.0), "in the middle of an excitation");
-        assert!(!counts_from(25, 0.5, 0.0), "turning");
+    fn the_first_second_counts_from_where_the_input_moves_if_nothing_has_moved_before() {
+        const SECOND: usize = 50;
+        assert_eq!(counts_from(25, |_| [0.0, 0.1]), [25, 25], "at rest");
+        assert_eq!(counts_from(60, |_| [0.0, 0.0]), [SECOND, SECOND], "for longer than a second");
+        assert_eq!(counts_from(0, |_| [0.0, 0.0]), [SECOND, SECOND], "in the middle of an excitation");
+        assert_eq!(counts_from(25, |k| [0.5, 0.01 * k as f64]), [SECOND, SECOND], "turning");
+        let swings = |k: usize| (0.5 * k as f64).sin();
+        assert_eq!(counts_from(25, |k| [0.5 * swings(k), 0.1 * swings(k)]), [SECOND, SECOND], "swinging");
     }
 }

@@ -1,5 +1,7 @@
 //! The baseline of a diagnosis: the user's simulation, or the grey-box pitch model with values to start from.
 
+mod driven;
+
 use super::pitch::Term;
 use super::plant::Plant;
 use crate::dataset::{Dataset, decorrelation};
@@ -53,11 +55,13 @@ pub fn is_likely_gain(data: &Dataset, dm_du: f64) -> bool {
     known.is_empty() || known.iter().any(|found| (found.dm_du / dm_du).abs().ln().abs() < TOLERABLE)
 }
 
-/// The vehicle as the regression of angle and rate has it (without a measured angle the rate's sum is taken for one); `None` where
-/// these leave more than half of what the rate alone does: nothing swings.
+/// The vehicle as the regression of angle and rate has it (without a measured angle the rate's sum is taken for one), or a simulation
+/// of the angle (`driven`); `None` where these leave more than half of what they do without a stiffness: nothing swings.
 pub fn swing_of(data: &Dataset) -> Option<Regression> {
-    let [turning, swinging] = regressions(data);
-    (swinging.error < SWINGS * turning.error && swinging.stiffness > 0.0).then_some(swinging)
+    let swings = |[turning, swinging]: [Regression; 2]| {
+        (swinging.error < SWINGS * turning.error && swinging.stiffness > 0.0).then_some(swinging)
+    };
+    swings(regressions(data)).or_else(|| driven::driven(data).and_then(swings))
 }
 
 /// Values to start from for a rig of unknown inertia: least squares over m samples, over which q decorrelates a little, and over

@@ -92,19 +92,24 @@ fn more_than_all(recording: &Recording) -> Option<String> {
     ))
 }
 
-/// Sections in which an input that changes from sample to sample sits at its extreme value again and again, and for as long at no
-/// other but none and the one that it begins at: steps that were commanded within a loop have levels of their own.
+/// Sections in which an input that changes from sample to sample sits at its extreme value again and again, and at least twice as long
+/// as at any other that it runs into and out of: steps that were commanded within a loop have levels of their own. None and
+/// the level that it begins at are those of a loop that is open.
 fn clipped_input(recording: &Recording) -> Option<String> {
     let described = recording.sections.iter().flat_map(|section| {
         let u = &recording.u[section.rows.clone()];
         let changes = u.windows(2).filter(|pair| pair[0] != pair[1]).count();
         let (low, high) = range(u);
         let steps = low == high || (changes as f64) < CHANGING * u.len() as f64 || takes_few_values(u);
-        let longest_within = longest_at(u, |level| ![low, high, 0.0, u[0]].contains(&level));
         let clips = |level: f64| {
-            let runs = plateaus(u, level, PLATEAU);
+            let runs = if steps { Vec::new() } else { plateaus(u, level, PLATEAU) };
             let samples: usize = runs.iter().map(Range::len).sum();
-            (!steps && runs.len() >= 2 && 2 * longest_within < longest_at(u, |at| at == level)).then(|| {
+            let longest = runs.iter().map(Range::len).max().unwrap_or(0);
+            let inner = u.chunk_by(|a, b| a == b).filter(|run| {
+                run.len() >= PLATEAU && 2 * run.len() >= longest && ![low, high, 0.0, u[0]].contains(&run[0])
+            });
+            let mut stepped = inner.map(|run| plateaus(u, run[0], run.len()));
+            (runs.len() >= 2 && stepped.all(|plateaus| plateaus.is_empty())).then(|| {
                 format!(
                     "{} stays at {} for {samples} samples in {} runs of section {}: the command was limited there",
                     recording.u_unit.column(),
@@ -118,12 +123,6 @@ fn clipped_input(recording: &Recording) -> Option<String> {
     });
     let described: Vec<String> = described.collect();
     (!described.is_empty()).then(|| described.join("; "))
-}
-
-/// Most samples on end for which a signal keeps a value that `counts`.
-fn longest_at(signal: &[f64], counts: impl Fn(f64) -> bool) -> usize {
-    let kept = signal.chunk_by(|a, b| a == b).filter(|run| counts(run[0]));
-    kept.map(<[f64]>::len).max().unwrap_or(0)
 }
 
 /// Whether the signal takes no more than [`LEVELS`] values.
