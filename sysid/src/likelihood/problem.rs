@@ -460,7 +460,7 @@ impl<'a> Problem<'a> {
 fn rests_until(run: &Run, sizes: &Amplitudes) -> Option<usize> {
     let moved = run.u.iter().position(|&u| u != run.u[0])?;
     let rested = (RESTING / run.step).ceil() as usize;
-    if run.start != run.origin || moved < rested.max(2) {
+    if run.start > run.origin + run.step || moved < rested.max(2) {
         return None;
     }
     let keeps = |signal: &[f64], size: f64| {
