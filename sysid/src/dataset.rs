@@ -2,6 +2,7 @@
 
 mod amplitudes;
 mod input;
+mod motion;
 mod smoothed;
 mod thinning;
 
@@ -12,9 +13,6 @@ use crate::moving_mean::MovingMean;
 use crate::recording::{InputHold, InputUnit, Recording, Section, WHOLE};
 use core::ops::Range;
 pub(crate) use input::has_two_levels;
-
-/// Largest rate of the lesser way, as a share of that of the other, from which an axis moves both ways.
-const TURNING: f64 = 0.05;
 
 /// One stretch of uniformly sampled signals without a gap.
 #[derive(Clone, Debug)]
@@ -280,13 +278,6 @@ impl Dataset {
         self.smoothing.is_some_and(|smoothing| smoothing.in_use)
     }
 
-    /// Whether the axis moves both ways: what shows where a motion turns, cannot without.
-    pub fn moves_both_ways(&self) -> bool {
-        let rates = self.runs.iter().flat_map(Run::rate_or_slope);
-        let (least, most) = rates.fold((0.0f64, 0.0f64), |(low, high), rate| (low.min(rate), high.max(rate)));
-        (-least).min(most) > TURNING * (-least).max(most)
-    }
-
     /// Where the clock of the first recording stands at its start, s: moments in time are counted from there in the model.
     pub fn origin(&self) -> f64 {
         self.runs.first().map_or(0.0, |run| run.origin)
@@ -453,22 +444,4 @@ fn sections_within(
         }
     }
     sections
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnosis::data_checks::fixture::{Flight, flight};
-
-    #[test]
-    fn an_axis_that_moves_both_ways_is_told_from_one_that_does_not() {
-        let both_ways = |flown: &Flight| Dataset::new(&[flown.recording()]).unwrap().moves_both_ways();
-        let there_and_back = flight(1, 0.0);
-        let one_way = |slowest: f64| Flight {
-            q: there_and_back.q.iter().map(|q| q.abs() + slowest).collect(),
-            ..there_and_back.clone()
-        };
-        assert!(both_ways(&there_and_back));
-        assert!(!both_ways(&one_way(0.0)) && !both_ways(&one_way(-0.001)));
-    }
 }

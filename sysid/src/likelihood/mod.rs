@@ -3,6 +3,7 @@
 pub mod blow_up;
 pub mod contest;
 pub mod evidence;
+mod first_counted;
 pub mod fit;
 pub mod free_run;
 pub mod horizon;
