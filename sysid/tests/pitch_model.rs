@@ -238,3 +238,33 @@ fn a_banked_turn_carries_the_angle_and_leaves_the_rate() {
         }
     }
 }
+
+#[test]
+fn the_collective_thrust_is_a_command_and_comes_as_late_as_the_other() {
+    const LAG: f64 = 0.08;
+    const K: f64 = 1.5;
+    let term = |id: &str, values: &[f64]| Term { effect: find(id).unwrap(), values: values.to_vec() };
+    let of = |thrust: f64| {
+        let mut flown = run(vec![0.01; 100]);
+        let mut above = vec![0.0; 100];
+        above[20..].fill(thrust);
+        flown.beside.thrust = Some(above);
+        let terms = [term("servo_lag", &[LAG]), term("thrust_dependence", &[K])];
+        let model = PitchModel::new(&PLANT, &terms, &QUIET, STEP, &SIZES).unwrap();
+        model.drives(&flown, 100)
+    };
+    let (with, without) = (of(0.2), of(0.0));
+    let substeps = with.len() / 100;
+    for (i, (with, without)) in with.iter().zip(&without).enumerate().skip(1) {
+        // the mean over the substep of what a lag makes of a step that comes a delay later
+        let dt = STEP / substeps as f64;
+        let since = i as f64 * dt - 20.0 * STEP - PLANT.delay;
+        let lagged = if since < -1e-9 {
+            0.0
+        } else {
+            1.0 - (-since / LAG).exp() * (1.0 - (-dt / LAG).exp()) * LAG / dt
+        };
+        let grown = with.blades / without.blades - 1.0;
+        assert!((grown - K * 0.2 * lagged).abs() < 1e-9, "{i}: {grown} {lagged}");
+    }
+}

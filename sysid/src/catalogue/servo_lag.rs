@@ -32,6 +32,9 @@ impl Effect for ServoLag {
     fn states(&self) -> usize {
         1
     }
+    fn carries_thrust(&self) -> bool {
+        true
+    }
     /// Exact for a command that is constant over the step; answers the mean of u_a over it.
     fn actuate(&self, p: &[f64], s: &mut [f64], u: f64, at: &Conditions) -> f64 {
         let (lag, before) = (p[0], s[0]);

@@ -42,6 +42,9 @@ impl Effect for ServoSecondOrder {
     fn states(&self) -> usize {
         2
     }
+    fn carries_thrust(&self) -> bool {
+        true
+    }
     /// Exact for a command that is constant over the step; answers the mean of u_a over it.
     fn actuate(&self, p: &[f64], s: &mut [f64], u: f64, at: &Conditions) -> f64 {
         let omega = std::f64::consts::TAU * p[0];

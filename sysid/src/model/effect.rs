@@ -241,6 +241,10 @@ pub trait Effect: Sync {
     fn of_thrust(&self) -> bool {
         false
     }
+    /// Whether the collective thrust, which is a command too, comes through it as well.
+    fn carries_thrust(&self) -> bool {
+        false
+    }
     /// Whether it may hold the vehicle aside on average: what the blades make of a command that goes as much up as down, and what
     /// sensors make of the motion, is nothing on average, unless it tells one direction from the other.
     fn moves_the_mean(&self) -> bool {

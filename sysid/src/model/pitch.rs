@@ -291,7 +291,7 @@ impl<'a> PitchModel<'a> {
     fn sensed(&self, point: &Point) -> Output {
         let (rate, angle) = self.measured;
         let y = [point.x[rate], point.x[angle]];
-        let sense = |y, Placed { effect, values, own }: &Placed<'_>| {
+        let sense = |y, Placed { effect, values, own, .. }: &Placed<'_>| {
             effect.measure(values, &point.own[own.clone()], y, point.roll_rate)
         };
         self.terms.iter().fold(y, sense)
@@ -391,7 +391,7 @@ impl<'a> PitchModel<'a> {
         point.x = after;
         let (rate, angle) = self.measured;
         let mean = |state: usize| 0.5 * (before[state] + after[state]);
-        for Placed { effect, values, own } in &self.following {
+        for Placed { effect, values, own, .. } in &self.following {
             let own = &mut point.own[own.clone()];
             effect.follow(values, own, mean(Q), mean(THETA), at);
             effect.sense(values, own, after[rate], after[angle], control / self.plant.inertia, at);

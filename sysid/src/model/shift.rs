@@ -56,7 +56,7 @@ impl Shift {
         self.ends.map(|(rows, share)| (k as isize + rows, share))
     }
 
-    fn over(&self, u: &[f64], k: usize) -> f64 {
+    pub fn over(&self, u: &[f64], k: usize) -> f64 {
         self.between(u, k as isize + self.rows, self.share)
     }
 

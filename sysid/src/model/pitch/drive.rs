@@ -56,6 +56,9 @@ impl PitchModel<'_> {
             at.t = run.elapsed(k) + i as f64 * at.dt;
             let shift = self.shift(i, run, at);
             at.command = shift.mean(run, k);
+            if let Some(thrust) = &run.beside.thrust {
+                at.thrust = shift.over(thrust, k);
+            }
             *drive = Drive { command: at.command, blades: at.command, ..Drive::default() };
             let ends = self.is_impulsive.then(|| shift.at_ends(run, k));
             if let Some(ends) = ends {
@@ -63,6 +66,10 @@ impl PitchModel<'_> {
                 drive.change = -self.angle(ends[0], own, at);
             }
             for term in &self.driving {
+                if term.effect.carries_thrust() {
+                    at.thrust =
+                        term.effect.actuate(term.values, &mut own[term.collective.clone()], at.thrust, at);
+                }
                 drive.blades = term.effect.actuate(term.values, &mut own[term.own.clone()], drive.blades, at);
                 drive.forced += term.effect.forcing(term.values, at);
             }

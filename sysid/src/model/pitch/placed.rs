@@ -12,6 +12,8 @@ pub struct Placed<'a> {
     pub values: &'a [f64],
     /// Where its own states stand.
     pub own: core::ops::Range<usize>,
+    /// Where those stand that carry the collective thrust.
+    pub collective: core::ops::Range<usize>,
 }
 
 /// The terms that act, those of the thrust behind those of the blades' angle; the background acts by its noise alone.
@@ -20,8 +22,10 @@ pub fn placed(terms: &[Term]) -> Vec<Placed<'_>> {
     acting.sort_by_key(|term| term.effect.of_thrust());
     let mut placed: Vec<Placed<'_>> = Vec::with_capacity(acting.len());
     for Term { effect, values } in acting {
-        let begin = placed.last().map_or(0, |before| before.own.end);
-        placed.push(Placed { effect: *effect, values, own: begin..begin + effect.states() });
+        let begin = placed.last().map_or(0, |before| before.collective.end);
+        let end = begin + effect.states();
+        let carried = if effect.carries_thrust() { effect.states() } else { 0 };
+        placed.push(Placed { effect: *effect, values, own: begin..end, collective: end..end + carried });
     }
     placed
 }
