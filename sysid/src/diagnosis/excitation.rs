@@ -1,7 +1,7 @@
 //! Whether the data can answer at all: long enough, moved by the input, above the noise.
 
 use super::estimates::estimates;
-use super::levels::{HORIZONS_S, SEEN, SEEN_AT_ALL, SHORTEST_S, WIDEST_GAIN_INTERVAL};
+use super::levels::{HORIZONS_S, LONGEST_HORIZON_S, SEEN, SEEN_AT_ALL, SHORTEST_S, WIDEST_GAIN_INTERVAL};
 use super::materiality::vaf_ahead;
 use super::past_alone::vaf_of_the_past_alone;
 use super::posterior::is_shape;
@@ -91,7 +91,7 @@ pub fn input_unseen(problem: &Problem<'_>, baseline: &Fit, information: &Informa
 
 /// Whether a model tells half of the motion at the longest horizon: after a step or a release, whatever the input's gain is.
 pub fn tells_a_second(problem: &Problem<'_>, fit: &Fit) -> bool {
-    vaf_ahead(problem, fit, &problem.data.places()).is_some_and(|vaf| vaf >= SEEN)
+    vaf_ahead(problem, fit, &problem.data.places(), LONGEST_HORIZON_S).is_some_and(|vaf| vaf >= SEEN)
 }
 
 /// Why the data are too weak for a model of a loop that was `closed`, where an unstructured model of the input copies what the
@@ -141,7 +141,7 @@ pub fn nothing_follows(most: f64) -> Option<String> {
         format!(
             "The data cannot tell: the motion does not follow from the input (VAF {most:.1} % at most of predictions {} to {} s ahead, \
              whatever the model). Excite the vehicle: use a larger amplitude.",
-            HORIZONS_S[0], HORIZONS_S[HORIZONS_S.len() - 1]
+            HORIZONS_S[0], LONGEST_HORIZON_S
         )
     })
 }
@@ -156,7 +156,7 @@ pub fn is_the_input(problem: &Problem<'_>, most: f64) -> Option<String> {
             "The data cannot tell: the motion is the input itself ({alike} tells {vaf:.1} % of it), and no model does as well (VAF \
              {most:.1} % at most of predictions {} to {} s ahead). The input is what a loop inside is told, which follows it within a row, \
              or it is made of the motion. Give what moves the vehicle as the input (a motor's command, current, torque), or log faster.",
-            HORIZONS_S[0], HORIZONS_S[HORIZONS_S.len() - 1]
+            HORIZONS_S[0], LONGEST_HORIZON_S
         )
     })
 }
@@ -202,11 +202,11 @@ fn correlation(pairs: &[[f64; 2]]) -> f64 {
 /// spring, does not predict.
 fn follows_from_before(problem: &Problem<'_>) -> f64 {
     let places = problem.data.places();
-    vaf_of_the_past_alone(problem, &places, &places, HORIZONS_S[HORIZONS_S.len() - 1])
+    vaf_of_the_past_alone(problem, &places, &places, LONGEST_HORIZON_S)
 }
 
 fn at_rest(problem: &Problem<'_>, baseline: &Fit) -> Option<String> {
-    let ahead = vaf_ahead(problem, baseline, &problem.data.places()).unwrap_or(0.0);
+    let ahead = vaf_ahead(problem, baseline, &problem.data.places(), LONGEST_HORIZON_S).unwrap_or(0.0);
     let ahead = ahead.max(follows_from_before(problem));
     (ahead < EXPLAINED_BY_ANY).then(|| {
         format!(

@@ -7,7 +7,7 @@ use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
 use super::levels::{ADEQUACY, BEYOND_DOUBT, CALM, HELD_OUT_ERRORS, MATERIAL, MENDS, WORTH_A_NAME};
-use super::materiality::{closed, is_immaterial, says_the_same, vaf_ahead};
+use super::materiality::{closed, is_immaterial, says_the_same, telling_horizon, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection, is_in_other_words};
 use super::predicted::{ahead, told_without};
@@ -69,8 +69,9 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let gained_by_names = gain(selection.named);
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
         let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
-        let ahead_by = |fit: &Fit| vaf_ahead(problem, fit, &sections);
         let fit_at = |place: usize| &selection.visited[place].fit;
+        let horizon = telling_horizon(problem, fit_at(selection.extended), &sections);
+        let ahead_by = |fit: &Fit| vaf_ahead(problem, fit, &sections, horizon);
         let baseline = LazyCell::new(|| ahead_by(fit_at(selection.baseline)));
         let closed_by_fit = |fit: &Fit| closed(*baseline, ahead_by(fit));
         let closed_by = |place: usize| match place == selection.baseline {

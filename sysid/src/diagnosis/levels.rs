@@ -38,7 +38,9 @@ pub const WIDEST_SHARED_INTERVAL: f64 = 0.5;
 /// Parts into which data without sections are cut for the rotation: as many as a whole test has sections.
 pub const PARTS: usize = 4;
 /// Horizons of the predictions that a model is judged by, s.
-pub const HORIZONS_S: [f64; 3] = [0.1, 0.3, 1.0];
+pub const HORIZONS_S: [f64; 3] = [0.1, 0.3, LONGEST_HORIZON_S];
+/// The longest of them, s.
+pub const LONGEST_HORIZON_S: f64 = 1.0;
 /// VAF of predictions 1 s ahead, held out, per cent, below which nothing is named that is known by how the vehicle follows the
 /// input, unless [`THE_INPUTS_OWN`] is reached: most of the motion is then noise, in a loop that was closed unsaid the noise that
 /// went round it. An answer without a name says so below all of them.

@@ -1,16 +1,31 @@
 //! Significant is not material: how much of the motion a model closes, and whether a name is worth telling.
 
-use super::levels::{HALVED, HELD_OUT_ERRORS, HORIZONS_S, LAST_THOUSANDTH, MATERIAL};
+use super::levels::{
+    HALVED, HELD_OUT_ERRORS, HORIZONS_S, LAST_THOUSANDTH, LONGEST_HORIZON_S, MATERIAL, SEEN_AT_ALL,
+};
 use crate::dataset::Place;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::horizon::horizon_vaf;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::{Effect, Locus};
 
-/// VAF of predictions at the longest horizon by a fitted model, per cent; `None` where no such prediction is finite.
-pub fn vaf_ahead(problem: &Problem<'_>, Fit { effects, minimum }: &Fit, sections: &[Place]) -> Option<f64> {
+/// VAF of predictions `horizon` s ahead by a fitted model, per cent; `None` where no such prediction is finite.
+pub fn vaf_ahead(
+    problem: &Problem<'_>,
+    Fit { effects, minimum }: &Fit,
+    sections: &[Place],
+    horizon: f64,
+) -> Option<f64> {
     let unpacked = problem.unpack(effects, &minimum.values);
-    horizon_vaf(problem, &unpacked, sections, &HORIZONS_S)?.pop().flatten().map(|(vaf, _)| vaf)
+    horizon_vaf(problem, &unpacked, sections, &[horizon])?.pop().flatten().map(|(vaf, _)| vaf)
+}
+
+/// The horizon at which models are compared, s: the longest at which `fullest` tells anything of the motion. In a loop and in gusts
+/// nothing tells a second ahead, with any term or without it.
+pub fn telling_horizon(problem: &Problem<'_>, fullest: &Fit, sections: &[Place]) -> f64 {
+    let tells =
+        |horizon: &f64| vaf_ahead(problem, fullest, sections, *horizon).is_some_and(|vaf| vaf >= SEEN_AT_ALL);
+    HORIZONS_S.into_iter().rev().find(tells).unwrap_or(LONGEST_HORIZON_S)
 }
 
 /// Share of what a VAF of `before`, per cent, leaves of the motion, the noise included, that one of `after` closes; 0 where either
@@ -61,7 +76,9 @@ mod tests {
             let places = problem.data.places();
             let Fit { effects, minimum } = &models.visited[1].fit;
             let all = horizon_vaf(problem, &problem.unpack(effects, &minimum.values), &places, &HORIZONS_S);
-            let [before, after] = [0, 1].map(|place| vaf_ahead(problem, &models.visited[place].fit, &places));
+            let [before, after] = [0, 1]
+                .map(|place| vaf_ahead(problem, &models.visited[place].fit, &places, LONGEST_HORIZON_S));
+            assert_eq!(telling_horizon(problem, &models.visited[1].fit, &places), LONGEST_HORIZON_S);
             assert_eq!(after, all.unwrap().last().unwrap().map(|(vaf, _)| vaf));
             assert!(after > before.map(|vaf| vaf + 3.0), "{before:?} {after:?}");
         });

@@ -5,7 +5,7 @@
 //! that choose it (Meinshausen and Bühlmann, J. R. Stat. Soc. B 72, 2010). When something set in is taken from the part in which
 //! it did.
 
-use super::levels::{HALVED, HORIZONS_S};
+use super::levels::{HALVED, HORIZONS_S, LONGEST_HORIZON_S};
 use super::parts::Part;
 use super::past_alone::vaf_of_the_past_alone;
 use super::posterior::{Finding, Selection};
@@ -194,7 +194,7 @@ pub fn rotate(
             baseline: scores(selection.baseline, baseline),
             extended: scores(models[best], chosen),
             past_alone: past_alone(HORIZONS_S[0]),
-            past_alone_far: past_alone(HORIZONS_S[HORIZONS_S.len() - 1]),
+            past_alone_far: past_alone(LONGEST_HORIZON_S),
             share_of_motion: problem.data.motion(&part.places),
             chosen: ids(models[best]),
             places: part.places.clone(),

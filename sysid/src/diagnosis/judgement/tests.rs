@@ -4,6 +4,7 @@ use super::super::data_checks::fixture::{Flight, GAIN, fitted, flown, model, nor
 use super::super::fixture::{
     asked, effects, flight_with, flown_by, lagging, quarters, selection, weaker_at_first,
 };
+use super::super::levels::LONGEST_HORIZON_S;
 use super::*;
 use crate::catalogue::find;
 use crate::catalogue::shapes::SHAPES;
@@ -98,7 +99,7 @@ fn names_are_fitted_again_without_what_is_left_where_something_is() {
         assert!((alone.criterion() - named.fit.criterion()).abs() < 0.5, "{}", alone.criterion());
         // and answer for themselves
         let sections: Vec<_> = judgement.parts.iter().flat_map(|part| part.places.clone()).collect();
-        let ahead = |fit: &Fit| vaf_ahead(judgement.problem, fit, &sections);
+        let ahead = |fit: &Fit| vaf_ahead(judgement.problem, fit, &sections, LONGEST_HORIZON_S);
         let by_hand = closed(ahead(judgement.baseline()), ahead(alone));
         let of_names = judgement.grounds.closed;
         assert!((of_names - by_hand).abs() < 1e-9 && by_hand > 0.0, "{of_names} {by_hand}");
@@ -165,8 +166,14 @@ fn a_names_share_is_that_of_the_motion_where_it_is_more_than_that_of_the_evidenc
     let change = |models: &mut Selection| models.visited[0].log_prior -= 1e6;
     judged_of(&flown, &sets, false, change, |judgement| {
         let sections: Vec<_> = judgement.parts.iter().flat_map(|part| part.places.clone()).collect();
-        let ahead =
-            |place: usize| vaf_ahead(judgement.problem, &judgement.selection.visited[place].fit, &sections);
+        let ahead = |place: usize| {
+            vaf_ahead(
+                judgement.problem,
+                &judgement.selection.visited[place].fit,
+                &sections,
+                LONGEST_HORIZON_S,
+            )
+        };
         let [_, stiff, drag, all] = [0, 1, 2, 3].map(|place| closed(ahead(0), ahead(place)));
         for (id, by_hand) in [("gravity_stiffness", all - drag), ("quadratic_drag", all - stiff)] {
             let found = judgement.named.iter().chain(&judgement.small).find(|f| f.effect.about().id == id);
