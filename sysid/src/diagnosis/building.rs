@@ -249,9 +249,12 @@ impl Judgement<'_, '_> {
     fn effect(&self, finding: &Finding, fit: &FitAnswer) -> EffectAnswer {
         let about = finding.effect.about();
         let gain = self.rotation.gain(about.id).unwrap_or_default();
+        // odds of rivals that nothing tells apart are no shares of one whole
+        let rivals = finding.rivals.iter().map(|(_, probability, _)| probability).sum::<f64>();
+        let whole = (finding.probability + rivals).max(1.0);
         let alternative = |(effect, probability, _): &(&'static dyn Effect, f64, usize)| Alternative {
             id: effect.about().id.into(),
-            probability: *probability,
+            probability: probability / whole,
         };
         EffectAnswer {
             id: about.id.into(),
@@ -259,7 +262,7 @@ impl Judgement<'_, '_> {
             equation: about.equation.into(),
             parameters: self.own(fit, about.id),
             by_part: self.by_part(about.id),
-            probability: finding.probability,
+            probability: finding.probability / whole,
             share: finding.share,
             alternatives: finding.rivals.iter().map(alternative).collect(),
             evidence: Evidence {

@@ -11,6 +11,7 @@ use super::rotation::all_but_the_same;
 use crate::catalogue::shapes::SHAPES;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::{Fit, weights};
+use crate::likelihood::free_run::free_run;
 use crate::likelihood::horizon::indistinct_ahead;
 use crate::likelihood::problem::Problem;
 use crate::model::effect::Effect;
@@ -182,7 +183,7 @@ impl Selection {
             effect,
             named: !is_shape(effect),
             probability,
-            rivals: self.rivals(problem, model, effect, divisor, |v| weight(v) / total),
+            rivals: self.rivals(problem, model, (effect, probability), divisor, |v| weight(v) / total),
             log_evidence: gain,
             p_value: chance(ratio / divisor, without.map_or(own.len(), further)),
             share: if whole > 0.0 { (gain / whole).clamp(0.0, 1.0) } else { 0.0 },
@@ -216,12 +217,13 @@ impl Selection {
         })
     }
 
-    /// Named candidates that stand in the place of `effect`, alone or with others, in models as probable as [`PLAUSIBLE`].
+    /// Named candidates that stand in the place of `effect`, whose probability is its `own`, alone or with others, in models as
+    /// probable as [`PLAUSIBLE`].
     fn rivals(
         &self,
         problem: &Problem<'_>,
         model: &Visited,
-        effect: &'static dyn Effect,
+        (effect, own): (&'static dyn Effect, f64),
         divisor: f64,
         probability: impl Fn(&Visited) -> f64,
     ) -> Vec<(&'static dyn Effect, f64, usize)> {
@@ -255,6 +257,11 @@ impl Selection {
                 // Without an angle nothing but the noise model tells a lag of the sensor from one of the actuator.
                 if same_class && !problem.data.has_angle {
                     p = p.max(alike_ahead(problem, [counterpart, &other.fit], neither));
+                    if neither
+                        .is_some_and(|neither| answers_alike(problem, [counterpart, &other.fit], neither))
+                    {
+                        p = p.max(own);
+                    }
                 }
             }
             match rivals.iter_mut().find(|(known, ..)| known.about().id == rival.about().id) {
@@ -285,6 +292,24 @@ pub fn alike_ahead(problem: &Problem<'_>, [model, rival]: [&Fit; 2], neither: Op
     };
     let tells = |horizon: &f64| neither.is_none_or(|neither| from(neither, *horizon) < PLAUSIBLE);
     from(rival, LAG_HORIZONS_S.into_iter().find(tells).unwrap_or(LAG_HORIZONS_S[0]))
+}
+
+/// Whether two models answer the input alike: row by row their free runs change by what differs little from what either adds to one
+/// with `neither`. The colour of the noise is then all that tells them apart, and the noise model knows it roughly.
+fn answers_alike(problem: &Problem<'_>, [model, rival]: [&Fit; 2], neither: &Fit) -> bool {
+    let places = problem.data.places();
+    let answer = |fit: &Fit| free_run(problem, &problem.unpack(&fit.effects, &fit.minimum.values), &places);
+    let (Some(model), Some(rival), Some(neither)) = (answer(model), answer(rival), answer(neither)) else {
+        return false;
+    };
+    let apart = |other: &[Vec<f64>]| -> f64 {
+        let of_place = |(a, b): (&Vec<f64>, &Vec<f64>)| -> f64 {
+            let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+            differences.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum()
+        };
+        model.iter().zip(other).map(of_place).sum()
+    };
+    apart(&rival) < SAME_SHARE * apart(&neither)
 }
 
 /// Whether two models' predictions differ by little of what either adds to one with `neither`, and their likelihoods, divided by

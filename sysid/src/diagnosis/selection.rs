@@ -166,6 +166,7 @@ impl Search<'_, '_> {
         for place in self.with_fewer_shapes(extended) {
             self.visit_its_class(place);
         }
+        let [named, extended] = [named, extended].map(|place| self.likeliest_of_class(place));
         let fullest = self.best_of_all(extended, |_| true);
         Selection { visited: self.visited, baseline, named, extended, fullest }
     }
@@ -366,6 +367,20 @@ impl Search<'_, '_> {
         if !self.problem.data.has_angle {
             self.visit_instead(place, |one, e| one.class().is_some() && one.class() == e.class());
         }
+    }
+
+    /// The model at `place`, or that with another of the class of one of its terms in its place, whichever is likelier.
+    fn likeliest_of_class(&self, place: usize) -> usize {
+        let fit = &self.visited[place].fit;
+        let lacks = |one: &Fit, other: &Fit| -> Vec<&'static dyn Effect> {
+            let lacking = other.effects.iter().filter(|e| one.position(e.about().id).is_none());
+            lacking.copied().collect()
+        };
+        let mate = |other: &Visited| match (&lacks(&other.fit, fit)[..], &lacks(fit, &other.fit)[..]) {
+            ([old], [new]) => old.class().is_some() && old.class() == new.class(),
+            (old, new) => old.is_empty() && new.is_empty(),
+        };
+        self.best_of_all(place, mate)
     }
 
     /// The models that were visited with the names of that at `place`, beside them some of its shapes or all.

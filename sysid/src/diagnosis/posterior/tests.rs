@@ -306,8 +306,9 @@ fn a_rival_is_a_name_in_the_terms_place_with_the_best_of_its_models() {
     });
 }
 
-/// What the findings of a model with a lag of the actuator say of one of the gyro, and the odds that the two are one.
-fn lags(lag: f64, angle: bool, beside: &[&str]) -> (Vec<(&'static str, f64)>, [f64; 2]) {
+/// What the findings of a model with a lag of the actuator say of one of the gyro: the name's own probability, its rivals, and the
+/// odds that the two are one by the noise and ahead.
+fn lags(lag: f64, angle: bool, beside: &[&str]) -> (f64, Vec<(&'static str, f64)>, [f64; 2]) {
     let mut recording = lagging(1, lag).recording();
     recording.theta = recording.theta.filter(|_| angle);
     fitted(&recording, &model(GAIN, 0.06), |_, problem, baseline| {
@@ -320,26 +321,25 @@ fn lags(lag: f64, angle: bool, beside: &[&str]) -> (Vec<(&'static str, f64)>, [f
         let [a, b] = &unpacked;
         let ahead = indistinct_ahead(problem, [a, b], &problem.data.places(), LAG_HORIZONS_S[0]).unwrap();
         let findings = models.findings(problem, if beside.is_empty() { 1 } else { 3 });
-        let rivals = finding(&findings, "servo_lag").rivals.iter();
-        (
-            rivals.map(|(rival, p, _)| (rival.about().id, *p)).collect(),
-            [indistinct(problem, servo, gyro), ahead],
-        )
+        let found = finding(&findings, "servo_lag");
+        let rivals = found.rivals.iter().map(|(rival, p, _)| (rival.about().id, *p)).collect();
+        (found.probability, rivals, [indistinct(problem, servo, gyro), ahead])
     })
 }
 
 #[test]
-fn lags_of_actuator_and_gyro_are_rivals_where_the_noise_or_without_an_angle_the_prediction_cannot_tell() {
-    let (rivals, [noise, ahead]) = lags(0.008, true, &[]);
+fn lags_of_actuator_and_gyro_are_told_apart_by_an_angle_and_by_nothing_else() {
+    let (_, rivals, [noise, ahead]) = lags(0.008, true, &[]);
     assert!(
         rivals.is_empty() && noise < 1e-3 && ahead > 2.0 * PLAUSIBLE,
         "with an angle: {rivals:?} {ahead}"
     );
-    let (rivals, [noise, ahead]) = lags(0.008, false, &[]);
-    assert!(noise > ahead && rivals == [("gyro_lag", noise)], "{rivals:?} {noise} {ahead}");
-    let (rivals, [noise, ahead]) = lags(0.03, false, &[]);
-    assert!(noise < ahead && rivals == [("gyro_lag", ahead)], "{rivals:?} {noise} {ahead}");
-    let (rivals, _) = lags(0.03, false, &["gravity_stiffness"]);
+    for lag in [0.008, 0.03] {
+        let (own, rivals, odds) = lags(lag, false, &[]);
+        assert!(odds.iter().all(|odds| *odds < 0.9 * own), "{odds:?}");
+        assert_eq!(rivals, [("gyro_lag", own)], "they answer the input alike");
+    }
+    let (_, rivals, _) = lags(0.03, false, &["gravity_stiffness"]);
     assert!(rivals.is_empty(), "one name in place of two: {rivals:?}");
 }
 
