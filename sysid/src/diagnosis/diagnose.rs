@@ -15,6 +15,7 @@ use super::left_over::LeftOver;
 use super::levels::PARTS;
 use super::over_time::OverTime;
 use super::parts::parts;
+use super::predicted::{ahead, tells_nothing};
 use super::selection::select;
 use super::spectra::Spectra;
 use super::step_response::StepResponses;
@@ -182,7 +183,9 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     let richest = &selection.visited[selection.extended];
     progress("checking the data".into());
     let extended = &richest.fit;
-    if data_checks::is_of_the_controller(recordings, &problem, extended) {
+    if data_checks::is_of_the_controller(recordings, &problem, extended)
+        || data_checks::turns_about(&problem, &fitted.fit, extended)
+    {
         return input_first();
     }
     let loops = Loops::new(recordings, &problem, extended);
@@ -227,6 +230,19 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     if data_checks::stop(&checks) {
         let location = data_checks::everywhere(&checks, data);
         return with_checks(unanswered(Verdict::CheckData, String::new(), Some(location)), checks, None);
+    }
+    if found.answer.verdict == Verdict::NoMismatch && tells_nothing(&judgement.rotation) {
+        let what = if closed {
+            "Move the set-point, or put in a signal of your own behind the controller"
+        } else {
+            "Use a larger amplitude"
+        };
+        let reason = format!(
+            "The data cannot tell: of parts of them that were held out the model tells nothing (VAF 1 s ahead {:.1} %, and of the next 0.1 s \
+             no more than the past of the motion), so that nothing is missing from it says nothing. {what}.",
+            ahead(&judgement.rotation)
+        );
+        return with_checks(unanswered(Verdict::NotExcited, reason, None), checks, balance.as_ref());
     }
     if closed || !predicts(&found.answer) {
         return with_checks(found, checks, balance.as_ref());

@@ -1,7 +1,7 @@
 //! How far ahead the answer's model tells the motion of parts held out.
 
 use super::answer::Predicted;
-use super::levels::{SEEN, THE_INPUTS_OWN};
+use super::levels::{SEEN, SEEN_AT_ALL, THE_INPUTS_OWN};
 use super::materiality::beyond_the_past;
 use super::rotation::{HeldOut, Rotation, Scores};
 
@@ -17,6 +17,13 @@ impl Predicted {
             Self::Little
         }
     }
+}
+
+/// Whether the answer's model tells nothing of parts held out: not a second ahead, not beyond the past of the next 0.1 s, and less
+/// than half by its free run. That nothing is missing from it then says nothing.
+pub fn tells_nothing(rotation: &Rotation) -> bool {
+    let free_run = rotation.mean(|part| Some(part.extended.free_run));
+    ahead(rotation) < SEEN_AT_ALL && the_inputs_own(rotation) <= 0.0 && free_run < SEEN
 }
 
 /// VAF held out at the longest horizon, mean over the parts, per cent.
@@ -71,6 +78,19 @@ mod tests {
             70.0,
             "not judged is not 0"
         );
+    }
+
+    #[test]
+    fn a_model_that_no_part_held_out_follows_tells_nothing() {
+        let tells_nothing = |near, far, free_run| {
+            let mut all = [part(0.7, [80.0, near, far]), part(0.3, [80.0, near, far])];
+            all.iter_mut().for_each(|part| part.extended.free_run = free_run);
+            tells_nothing(&Rotation::of(all.into()))
+        };
+        assert!(tells_nothing(70.0, 0.0, 10.0));
+        assert!(!tells_nothing(92.0, 0.0, 10.0), "the next tenth of a second");
+        assert!(!tells_nothing(70.0, 5.0, 10.0), "a second");
+        assert!(!tells_nothing(70.0, 0.0, 60.0), "the free run");
     }
 
     #[test]

@@ -144,8 +144,6 @@ pub fn is_of_the_controller(recordings: &[Recording], problem: &Problem<'_>, fit
     if problem.baseline.input_first || delay >= -within_a_row && delay > problem.earliest() {
         return false;
     }
-    let plant = problem.unpack(&fit.effects, &fit.minimum.values).plant;
-    let is_quick = -plant.dm_dq * QUICK_ROWS * problem.sizes.step > plant.inertia;
     let is_held = |run: &Run| run.leads || run.holds_longer_than(HELD_ROWS);
     let with_the_input_first = || {
         let baseline = Baseline { input_first: true, ..problem.baseline.clone() };
@@ -153,7 +151,26 @@ pub fn is_of_the_controller(recordings: &[Recording], problem: &Problem<'_>, fit
         fit_baseline(&first).is_some_and(|fit| Loops::new(recordings, &first, &fit).all_closed())
     };
     Loops::new(recordings, problem, fit).all_closed()
-        || is_quick && !problem.data.runs.iter().all(is_held) && with_the_input_first()
+        || settles_like_a_command(problem, fit)
+            && !problem.data.runs.iter().all(is_held)
+            && with_the_input_first()
+}
+
+/// Whether the terms of `extended` turn cause and effect about: the motion comes as long before its input as stamps may be off, comes
+/// after it by the `baseline` alone, and settles like a command that is made of it. That is how a controller answers the motion, and
+/// no physics.
+pub fn turns_about(problem: &Problem<'_>, baseline: &Fit, extended: &Fit) -> bool {
+    let first = extended.delay(problem) <= problem.earliest();
+    !problem.baseline.input_first
+        && first
+        && baseline.delay(problem) > 0.0
+        && settles_like_a_command(problem, extended)
+}
+
+/// Whether the motion by `fit` settles within a few rows, as a command does that is made of it and an airframe hardly can.
+fn settles_like_a_command(problem: &Problem<'_>, fit: &Fit) -> bool {
+    let plant = problem.unpack(&fit.effects, &fit.minimum.values).plant;
+    -plant.dm_dq * QUICK_ROWS * problem.sizes.step > plant.inertia
 }
 
 /// Whether the loop is closed and `fit`, with the input first, has the motion follow without any delay: nothing but the controller
