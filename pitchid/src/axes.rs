@@ -8,7 +8,7 @@ use flight_logs::axes::Axis;
 use sysid::recording::{ColumnMap, Expression, NoteKind, ReadOptions, Recording, header, parse};
 
 /// Units of an input, as they end its name.
-const UNITS: [&str; 7] = ["rad", "deg", "pct", "V", "N_m", "N", "norm"];
+const UNITS: [&str; 8] = ["rad", "deg", "pct", "V", "A", "N_m", "N", "norm"];
 
 /// `--axis`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -58,32 +58,54 @@ impl AxisChoice {
     }
 }
 
-/// Name, rate and angle of an axis in a recording.
-fn columns(axis: Axis) -> [&'static str; 3] {
+/// Name, and begin of the names of rate and angle, of an axis in a recording.
+fn names(axis: Axis) -> [&'static str; 3] {
     match axis {
-        Axis::Roll => ["roll", "p_rad_s", "phi_rad"],
-        Axis::Pitch => ["pitch", "q_rad_s", "theta_rad"],
-        Axis::Yaw => ["yaw", "r_rad_s", "psi_rad"],
+        Axis::Roll => ["roll", "p_", "phi_"],
+        Axis::Pitch => ["pitch", "q_", "theta_"],
+        Axis::Yaw => ["yaw", "r_", "psi_"],
     }
 }
 
-/// The column of the axis' input, and what a recording of one axis calls it.
-fn input(names: &[String], axis: Axis) -> Option<(String, String)> {
-    let [word, ..] = columns(axis);
-    let mut all = UNITS.iter().map(|unit| (format!("u_{word}_{unit}"), format!("u_{unit}")));
-    all.find(|(own, _)| names.contains(own))
+/// What a column tells of an axis.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Tells {
+    Input,
+    Rate,
+    Angle,
 }
 
-/// What stands beside an axis as roll and yaw stand beside pitch: the name there, and the file's.
-fn beside(names: &[String], axis: Axis) -> Vec<(String, String)> {
-    let rates = ["p_rad_s", "r_rad_s"].into_iter().zip(neighbours(axis).map(|other| columns(other)[1]));
-    let mut all: Vec<(String, String)> =
-        rates.map(|(place, column)| (place.to_owned(), column.to_owned())).collect();
-    if axis == Axis::Roll {
-        all.extend(UNITS.iter().map(|unit| (format!("u_roll_{unit}"), format!("u_pitch_{unit}"))));
-    }
-    all.retain(|(place, column)| place != column && names.contains(column));
-    all
+/// What the column `name` tells of which axis, and in which unit; `None` where it is of no axis of several.
+fn told(name: &str) -> Option<(Axis, Tells, &str)> {
+    Axis::ALL.into_iter().find_map(|axis| {
+        let [word, rate, angle] = names(axis);
+        let command = name.strip_prefix("u_").and_then(|rest| rest.strip_prefix(word)?.strip_prefix('_'));
+        let input = command.filter(|unit| UNITS.contains(unit)).map(|unit| (axis, Tells::Input, unit));
+        let of = |begin: &str, units: [&str; 2], tells| {
+            let unit = name.strip_prefix(begin).filter(|unit| units.contains(unit))?;
+            Some((axis, tells, unit))
+        };
+        input
+            .or_else(|| of(rate, ["rad_s", "deg_s"], Tells::Rate))
+            .or_else(|| of(angle, ["rad", "deg"], Tells::Angle))
+    })
+}
+
+/// Where a recording of `axis` alone has what a column `tells` of an axis: what stands beside an axis stands there as roll and yaw
+/// stand beside pitch.
+fn place(axis: Axis, (of, tells, unit): (Axis, Tells, &str)) -> Option<String> {
+    let [first, second] = neighbours(axis);
+    let begin = match tells {
+        Tells::Input if of == axis => "u_",
+        Tells::Input if of == first && axis != Axis::Yaw => "u_roll_",
+        Tells::Rate if of == axis => "q_",
+        Tells::Rate if of == first => "p_",
+        Tells::Rate if of == second => "r_",
+        Tells::Angle if of == axis => "theta_",
+        Tells::Angle if (axis, of) == (Axis::Pitch, Axis::Roll) => "phi_",
+        Tells::Input | Tells::Rate | Tells::Angle => return None,
+    };
+    Some(format!("{begin}{unit}"))
 }
 
 /// The axes that stand beside one in the places of roll and yaw beside pitch.
@@ -120,11 +142,12 @@ impl Readable {
     }
 
     /// The axes that may be asked, a log says itself which of them it has not; none of a recording of one axis alone.
-    pub fn axes(&self) -> Vec<Axis> {
+    pub fn axes(&self, options: &ReadOptions) -> Vec<Axis> {
         match self {
             Self::Log(_) => Axis::ALL.to_vec(),
             Self::Table(table, _) => {
-                header(&table.name, &table.text).map_or(Vec::new(), |names| axes_of(&names))
+                let names = header(&table.name, &table.text);
+                names.map_or(Vec::new(), |header| axes_of(all_names(&header, options)))
             }
         }
     }
@@ -135,7 +158,11 @@ impl Readable {
             Self::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), options),
             Self::Table(table, time) => {
                 let mut recording = recording_of(table, axis, options)?;
-                if let Some(TimeSpan { from, to }) = time {
+                let Some(TimeSpan { from, to }) = time else { return Ok(recording) };
+                // what lies near the ground is used where nothing else is meant
+                if recording.cut(*from, *to).is_err() {
+                    let all = ReadOptions { on_ground: true, ..options.clone() };
+                    recording = recording_of(table, axis, &all)?;
                     recording.cut(*from, *to)?;
                 }
                 Ok(recording)
@@ -144,51 +171,92 @@ impl Readable {
     }
 }
 
-/// The axes that a recording with these columns has an input and a rate of; none where it is of one axis alone.
-fn axes_of(names: &[String]) -> Vec<Axis> {
-    let has =
-        |axis: &Axis| input(names, *axis).is_some() && names.iter().any(|name| name == columns(*axis)[1]);
-    Axis::ALL.into_iter().filter(has).collect()
+/// The axes of which there are an input and a rate among these columns; none where they are of one axis alone.
+fn axes_of<'n>(names: impl Iterator<Item = &'n str> + Clone) -> Vec<Axis> {
+    let has = |axis: Axis, tells: Tells| {
+        names.clone().filter_map(told).any(|(of, what, _)| of == axis && what == tells)
+    };
+    Axis::ALL.into_iter().filter(|&axis| has(axis, Tells::Input) && has(axis, Tells::Rate)).collect()
+}
+
+/// The options for one axis of all: what is mapped as rate and angle without another axis' name is pitch's.
+pub fn of_axis(axis: Axis, options: &ReadOptions) -> ReadOptions {
+    let mut own = options.clone();
+    own.columns.retain(|map| {
+        let of_pitch =
+            told(&map.target).is_some_and(|(of, tells, _)| of == Axis::Pitch && tells != Tells::Input);
+        axis == Axis::Pitch || !of_pitch
+    });
+    own
+}
+
+/// The columns of the file, and those that the user maps.
+fn all_names<'n>(header: &'n [String], options: &'n ReadOptions) -> impl Iterator<Item = &'n str> + Clone {
+    header.iter().map(String::as_str).chain(options.columns.iter().map(|map| map.target.as_str()))
+}
+
+/// What the user maps, as a recording of `axis` alone has it. What is mapped as the input, rate or angle of a recording of one axis
+/// is that of `axis`, unless this is mapped by its own name.
+fn maps_for(axis: Axis, maps: &[ColumnMap]) -> Vec<ColumnMap> {
+    let is_own = |map: &ColumnMap, asked: Tells| {
+        told(&map.target).is_some_and(|(of, tells, _)| of == axis && tells == asked)
+    };
+    let for_axis = |map: &ColumnMap| {
+        let Some(what) = told(&map.target) else { return Some(map.clone()) };
+        let (of, tells, _) = what;
+        let of_one_alone = of == Axis::Pitch && tells != Tells::Input;
+        if of_one_alone && !maps.iter().any(|other| is_own(other, tells)) {
+            return Some(map.clone());
+        }
+        Some(ColumnMap { target: place(axis, what)?, ..map.clone() })
+    };
+    maps.iter().filter_map(for_axis).collect()
+}
+
+/// The begin of a column's name, which says what it is whatever the unit.
+fn slot(name: &str) -> &str {
+    let of_two = ["u_roll_", "theta_ref_"].into_iter().find(|begin| name.starts_with(begin));
+    of_two.unwrap_or_else(|| name.find('_').map_or(name, |end| &name[..=end]))
 }
 
 /// Reads one axis of a recording as if it were the only one; what the user maps goes first.
 fn recording_of(table: &Table, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
     let Table { name, text, .. } = table;
-    let names = header(name, text)?;
-    let Some(axis) = axis.or_else(|| axes_of(&names).contains(&Axis::Pitch).then_some(Axis::Pitch)) else {
+    let header = header(name, text)?;
+    let pitch = || axes_of(all_names(&header, options)).contains(&Axis::Pitch).then_some(Axis::Pitch);
+    let Some(axis) = axis.or_else(pitch) else {
         return Ok(parse(name, text, options)?);
     };
-    let [_, rate, angle] = columns(axis);
-    let of = |target: &str, source: &str| ColumnMap {
-        target: target.into(),
-        source: Expression::column(source),
-        factor: 1.0,
-    };
-    let is_there = |name: &str| names.iter().any(|known| known == name);
-    let mut own: Vec<ColumnMap> =
-        input(&names, axis).iter().map(|(column, target)| of(target, column)).collect();
-    own.extend(is_there(rate).then(|| of("q_rad_s", rate)));
-    own.extend(is_there(angle).then(|| of("theta_rad", angle)));
-    own.extend(beside(&names, axis).iter().map(|(target, column)| of(target, column)));
-    let is_mapped = |start: &str| options.columns.iter().any(|map| map.target.starts_with(start));
-    let slots = [("u_", "an input"), ("q_", "a rate"), ("theta_", "an angle")];
-    own.retain(|map| !slots.iter().any(|(start, _)| map.target.starts_with(start) && is_mapped(start)));
-    let has = |start: &str| is_mapped(start) || own.iter().any(|map| map.target.starts_with(start));
-    let missing = slots[..2].iter().find(|(start, _)| !has(start));
+    let maps = maps_for(axis, &options.columns);
+    let mut own: Vec<ColumnMap> = Vec::new();
+    // a column in degrees gives way to the same signal in another unit
+    for in_degrees in [false, true] {
+        for column in &header {
+            let Some(what) = told(column).filter(|(.., unit)| unit.starts_with("deg") == in_degrees) else {
+                continue;
+            };
+            let Some(target) = place(axis, what) else { continue };
+            if !maps.iter().chain(&own).any(|map| slot(&map.target) == slot(&target)) {
+                own.push(ColumnMap { target, source: Expression::column(column), factor: 1.0 });
+            }
+        }
+    }
+    let has = |wanted: &str| maps.iter().chain(&own).any(|map| slot(&map.target) == wanted);
+    let missing = [("u_", "an input"), ("q_", "a rate")].into_iter().find(|(slot, _)| !has(slot));
     // a recording of one axis calls it pitch
     if axis != Axis::Pitch
         && let Some((_, what)) = missing
     {
-        let found = format!("{name}: no column for {what} of {axis} among {}", names.join(", "));
-        let [word, rate, _] = columns(axis);
+        let found = format!("{name}: no column for {what} of {axis} among {}", header.join(", "));
+        let [word, rate, _] = names(axis);
         let help =
-            format!("{axis} needs u_{word}_norm (or another unit) and {rate}; map others with --column");
+            format!("{axis} needs u_{word}_norm (or another unit) and {rate}rad_s; map others with --column");
         return Err(Failure::new(found, help));
     }
     let angle_is_own = has("theta_");
     own.retain(|map| map.source.as_column() != Some(&map.target));
     let found: Vec<String> = own.iter().map(|map| format!("{} is the file's column", map.target)).collect();
-    let columns = options.columns.iter().cloned().chain(own).collect();
+    let columns = maps.into_iter().chain(own).collect();
     let mut recording = parse(name, text, &ReadOptions { columns, ..options.clone() })?;
     if !angle_is_own {
         recording.theta = None;
@@ -222,8 +290,9 @@ mod tests {
             );
         }
         let table = Table { name: "flight.csv".into(), text: text.into_bytes() };
-        assert_eq!(axes_of(&header(&table.name, &table.text).unwrap()), [Axis::Roll, Axis::Yaw]);
         let options = ReadOptions::default();
+        let names = header(&table.name, &table.text).unwrap();
+        assert_eq!(axes_of(all_names(&names, &options)), [Axis::Roll, Axis::Yaw]);
         let roll = recording_of(&table, Some(Axis::Roll), &options).unwrap();
         assert_eq!((roll.u[3], roll.q.unwrap()[3]), (3.0, 9.0));
         assert!(roll.theta.is_none(), "the angle of pitch is none of roll's");
@@ -234,5 +303,33 @@ mod tests {
         let turned = recording_of(&table, Some(Axis::Roll), &mapped).unwrap();
         assert_eq!(turned.q.unwrap()[3], -9.0);
         assert!(recording_of(&table, Some(Axis::Pitch), &mapped).is_err(), "there is no input of pitch");
+    }
+
+    #[test]
+    fn columns_of_other_names_are_mapped_by_the_names_of_the_axes() {
+        let mut text = "time,m_roll,m_pitch,gx,gy,q_deg_s\n".to_owned();
+        for k in 0..60 {
+            let x = f64::from(k);
+            text += &format!("{},{x},{},{},{},{}\n", 0.02 * x, 2.0 * x, 3.0 * x, 4.0 * x, x.sin());
+        }
+        let table = Table { name: "flight.csv".into(), text: text.into_bytes() };
+        let options = |maps: &[&str]| ReadOptions {
+            columns: maps.iter().map(|map| map.parse().unwrap()).collect(),
+            ..ReadOptions::default()
+        };
+        let both =
+            options(&["t_s=time", "u_roll_norm=m_roll", "u_pitch_norm=m_pitch", "p_rad_s=gx", "q_rad_s=gy"]);
+        let names = header(&table.name, &table.text).unwrap();
+        assert_eq!(axes_of(all_names(&names, &both)), [Axis::Roll, Axis::Pitch]);
+        let roll = recording_of(&table, Some(Axis::Roll), &both).unwrap();
+        assert_eq!((roll.u[3], roll.q.unwrap()[3], roll.p.unwrap()[3]), (3.0, 9.0, 12.0));
+        for axis in [Some(Axis::Pitch), None] {
+            let pitch = recording_of(&table, axis, &both).unwrap();
+            assert_eq!((pitch.u[3], pitch.q.unwrap()[3], pitch.p.unwrap()[3]), (6.0, 12.0, 9.0));
+        }
+        let as_one = options(&["t_s=time", "u_norm=m_roll", "q_rad_s=gx"]);
+        let roll = recording_of(&table, Some(Axis::Roll), &as_one).unwrap();
+        assert_eq!((roll.u[3], roll.q.unwrap()[3]), (3.0, 9.0), "of the axis that is asked");
+        assert!(recording_of(&table, Some(Axis::Yaw), &both).is_err(), "there is no input of yaw");
     }
 }

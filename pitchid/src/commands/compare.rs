@@ -150,7 +150,7 @@ pub fn compared(
     let options = options_with(input, &columns);
     let sides =
         [side(arguments, &columns, &arguments.before, 0)?, side(arguments, &columns, &arguments.after, 1)?];
-    let axes: Vec<Option<Axis>> = choice.wanted(&sides[0].axes(), &sides[1].axes());
+    let axes: Vec<Option<Axis>> = choice.wanted(&sides[0].axes(&options), &sides[1].axes(&options));
     let (mut answers, mut refusals) = (Vec::new(), Vec::new());
     for axis in axes {
         let read = |side: &Readable| side.recording(axis, &options);

@@ -1,6 +1,6 @@
 //! Recordings and models as arguments.
 
-use crate::axes::{AxisChoice, Readable};
+use crate::axes::{AxisChoice, Readable, of_axis};
 use crate::failure::Failure;
 use crate::input;
 use crate::logs::{TimeSpan, open};
@@ -149,9 +149,10 @@ impl Reading {
     /// The recordings of every axis that all sources have; of the others, why not.
     pub fn recordings_by_axis(&self) -> Result<ByAxis, Failure> {
         let (sources, options) = (self.sources()?, self.options());
-        let axes: Vec<Vec<Axis>> = sources.iter().map(Readable::axes).collect();
+        let axes: Vec<Vec<Axis>> = sources.iter().map(|source| source.axes(&options)).collect();
         let mut all = ByAxis::default();
         for axis in Axis::ALL.into_iter().filter(|axis| axes.iter().all(|own| own.contains(axis))) {
+            let options = of_axis(axis, &options);
             let read = sources.iter().map(|source| self.read(source, Some(axis), &options));
             match read.collect::<Result<Vec<Recording>, Failure>>() {
                 Ok(recordings) => all.read.push((axis, recordings)),

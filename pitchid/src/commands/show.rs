@@ -84,7 +84,7 @@ fn of_table(table: &Readable, axis: Option<Axis>, columns: &[ColumnMap]) -> Resu
     let options = ReadOptions { columns: columns.to_vec(), ..ReadOptions::default() };
     let mut axes: Vec<Option<Axis>> = match axis {
         Some(_) => vec![axis],
-        None => table.axes().into_iter().map(Some).collect(),
+        None => table.axes(&options).into_iter().map(Some).collect(),
     };
     if axes.is_empty() {
         axes.push(None);

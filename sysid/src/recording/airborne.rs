@@ -6,6 +6,7 @@
 
 use super::clock::Grid;
 use super::columns::Role;
+use super::options::SectionSpec;
 use super::table::Table;
 use super::{Note, NoteKind};
 use std::ops::Range;
@@ -23,15 +24,22 @@ const NEAR_GROUND_S: f64 = 1.0;
 /// Shortest flight that is used, s.
 const SHORTEST_FLIGHT_S: f64 = 3.0;
 
-/// Leaves the stretches in flight in `grid`, where the thrust was logged and something else is left out by that.
-pub(super) fn keep(table: &Table, grid: &mut Grid, notes: &mut Vec<Note>) {
+/// Leaves the stretches in flight in `grid`, where the thrust was logged and something else is left out by that; all of it where one
+/// of the `sections` that the user names would have nothing left.
+pub(super) fn keep(table: &Table, grid: &mut Grid, sections: &[SectionSpec], notes: &mut Vec<Note>) {
     let of = |role: Role| table.signals.iter().find(|signal| signal.source.role == role);
     let (Some(thrust), Some(rate)) = (of(Role::Thrust), of(Role::Q)) else { return };
     let Some(flown) = flown(&thrust.values, &rate.values, &grid.segments, grid.step) else { return };
+    let flies = |section: &SectionSpec| {
+        flown.iter().any(|rows| table.t[rows.start] < section.to && section.from <= table.t[rows.end - 1])
+    };
+    if !sections.iter().all(flies) {
+        return;
+    }
     let seconds =
         |all: &[Range<usize>]| all.iter().map(ExactSizeIterator::len).sum::<usize>() as f64 * grid.step;
     let text = format!(
-        "{:.1} of {:.1} s are used: the rest is on the ground or near it, by {} and {}",
+        "{:.1} of {:.1} s are used: the rest is on the ground or near it, by {} and {}; name a part with --section to use it all the same",
         seconds(&flown),
         seconds(&grid.segments),
         thrust.source.name,
@@ -91,6 +99,26 @@ mod tests {
 
     fn all(rows: usize) -> [Range<usize>; 1] {
         [Range { start: 0, end: rows }]
+    }
+
+    #[test]
+    fn what_the_user_names_is_used_on_the_ground_too() {
+        use crate::recording::{ReadOptions, parse};
+        let mut text = "t_s,u_norm,q_rad_s,thrust_norm\n".to_owned();
+        let rate = moving(100..600);
+        for (k, rate) in rate.iter().enumerate() {
+            let thrust = if (100..600).contains(&k) { 0.6 } else { 0.0 };
+            text += &format!("{:.2},{},{rate},{thrust}\n", 0.01 * k as f64, (0.3 * k as f64).cos());
+        }
+        let used = |sections: &[&str], on_ground: bool| {
+            let sections = sections.iter().map(|section| section.parse().unwrap()).collect();
+            let options = ReadOptions { sections, on_ground, ..ReadOptions::default() };
+            parse("a.csv", text.as_bytes(), &options).unwrap().segments
+        };
+        assert_eq!(used(&[], false), [200..500]);
+        assert_eq!(used(&["I=3..7"], false), [200..500], "part of it flies");
+        assert_eq!(used(&["I=6..9"], false), [0..1000], "nothing else is meant");
+        assert_eq!(used(&[], true), [0..1000]);
     }
 
     fn moving(rows: Range<usize>) -> Vec<f64> {

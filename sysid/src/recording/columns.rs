@@ -123,6 +123,13 @@ impl InputUnit {
     }
 }
 
+/// Whether a column of a free vehicle has this name, which that of one axis alone has no place for.
+pub(super) fn is_of_another_axis(name: &str) -> bool {
+    const UNITS: [&str; 8] = ["rad", "deg", "pct", "V", "A", "N_m", "N", "norm"];
+    let command = ["u_pitch_", "u_yaw_"].iter().find_map(|begin| name.strip_prefix(begin));
+    command.is_some_and(|unit| UNITS.contains(&unit)) || matches!(name, "psi_rad" | "psi_deg")
+}
+
 /// What a column means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {

@@ -1,6 +1,7 @@
 //! Cells without a number: empty, NaN, or a word that loggers write for it.
 //!
-//! A row without time, input, rate or angle is left out: the clock then sees a gap. A column that is not needed in every
+//! A row without time, input, rate or angle is left out: the clock then sees a gap. A command that was logged less often than the
+//! motion is held from each of its rows to the next. A column that is not needed in every
 //! row is bridged there, commands held, measured signals by straight lines. A column without any number, and a rate or
 //! angle that is missing in most rows while the other is there, is not used. All of it is told.
 
@@ -12,6 +13,11 @@ use crate::error::{Error, ErrorKind};
 
 /// Lines that a note names.
 const LINES_TOLD: usize = 5;
+
+/// Share of the rows with a measurement that lack the command where it was logged less often than the motion.
+const SLOWER: f64 = 0.25;
+/// Times its usual distance for which such a command is held; longer, it is missing.
+const LONGEST_HOLD: f64 = 10.0;
 
 /// Whether a cell says that nothing was measured: empty, or one of the words that loggers write for it.
 pub(super) fn is_missing(cell: &str) -> bool {
@@ -26,6 +32,7 @@ pub(super) fn is_missing(cell: &str) -> bool {
 /// Leaves no cell without a number in `table`.
 pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), Error> {
     drop_sparse(table, notes)?;
+    hold_slower_commands(table, notes);
     for signal in table.signals.iter_mut().filter(|signal| !is_needed(signal)) {
         let rows = missing(&signal.values);
         if let (Some(&first), Some(&last)) = (rows.first(), rows.last()) {
@@ -60,6 +67,38 @@ pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), 
     notes.push(over(&table.t, first, last, text));
     table.remove(&rows);
     Ok(())
+}
+
+/// Holds a command that lacks in many rows which have a measurement, from each row that has it to the next.
+fn hold_slower_commands(table: &mut Table, notes: &mut Vec<Note>) {
+    let outputs: Vec<&Signal> = table.signals.iter().filter(|signal| is_output(signal)).collect();
+    let measured: Vec<bool> =
+        (0..table.t.len()).map(|row| outputs.iter().any(|s| !s.values[row].is_nan())).collect();
+    let most = measured.iter().filter(|m| **m).count();
+    for signal in table.signals.iter_mut().filter(|signal| signal.source.role.is_input()) {
+        let known: Vec<usize> = (0..table.t.len()).filter(|&row| !signal.values[row].is_nan()).collect();
+        let lacking = (0..table.t.len()).filter(|&row| measured[row] && signal.values[row].is_nan()).count();
+        if (lacking as f64) < SLOWER * most as f64 || known.len() < 2 {
+            continue;
+        }
+        let mut apart: Vec<f64> = known.windows(2).map(|pair| table.t[pair[1]] - table.t[pair[0]]).collect();
+        let middle = apart.len() / 2;
+        let usual = *apart.select_nth_unstable_by(middle, f64::total_cmp).1;
+        for (i, &from) in known.iter().enumerate() {
+            let to = known.get(i + 1).copied().unwrap_or(table.t.len());
+            let holds = |row: &usize| table.t[*row] - table.t[from] <= LONGEST_HOLD * usual;
+            for row in (from + 1..to).take_while(holds) {
+                signal.values[row] = signal.values[from];
+            }
+        }
+        let text = format!(
+            "{} has a number in {} of the {} with a measurement: logged less often, it is held from each to the next",
+            signal.source.name,
+            most - lacking,
+            counted(most, "row")
+        );
+        notes.push(Note::new(NoteKind::Missing, text));
+    }
 }
 
 /// Whether no row can do without it.

@@ -247,7 +247,9 @@ fn on_grid(
     summed_angle::leave_out(&mut table, &mut notes);
     wild::bridge(&mut table, &mut notes);
     let mut grid = clock::onto_grid(&mut table, options, &mut notes)?;
-    airborne::keep(&table, &mut grid, &mut notes);
+    if !options.on_ground {
+        airborne::keep(&table, &mut grid, &options.sections, &mut notes);
+    }
     let sections = sections::runs(&table, &grid.segments);
     checks::inspect(&table, &grid, in_turns, &mut notes);
 

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::columns::{KNOWN_COLUMNS, Role};
+use super::columns::{KNOWN_COLUMNS, Role, is_of_another_axis};
 use super::expression::Expression;
 use crate::error::{Error, ErrorKind, nearest, quote};
 
@@ -79,7 +79,7 @@ impl FromStr for ColumnMap {
         };
         let (target, rest) = text.split_once('=').ok_or_else(|| refuse("no = in it".into()))?;
         let target = target.trim();
-        if Role::of(target).is_none() {
+        if Role::of(target).is_none() && !is_of_another_axis(target) {
             return Err(refuse(format!("{} is not a column of the format", quote(target)))
                 .expecting(format!("one of {}", nearest(KNOWN_COLUMNS, target))));
         }
@@ -164,6 +164,8 @@ pub struct ReadOptions {
     pub splits: Vec<f64>,
     /// Sections by time; overrides the `section` column, excludes `splits`.
     pub sections: Vec<SectionSpec>,
+    /// Whether what lies on the ground or near it is used too, as it is where one of `sections` has nothing else.
+    pub on_ground: bool,
     /// The least number of samples that a contiguous stretch of the recording must have; at least 3.
     pub min_samples: usize,
 }
@@ -176,6 +178,7 @@ impl Default for ReadOptions {
             columns: Vec::new(),
             splits: Vec::new(),
             sections: Vec::new(),
+            on_ground: false,
             min_samples: 20,
         }
     }
