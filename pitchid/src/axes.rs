@@ -5,10 +5,7 @@ use crate::logs::recording::recording;
 use crate::logs::{Flight, Source, Table, TimeSpan, choose, refuse_options};
 use clap::ValueEnum;
 use flight_logs::axes::Axis;
-use sysid::recording::{ColumnMap, Expression, NoteKind, ReadOptions, Recording, header, parse};
-
-/// Units of an input, as they end its name.
-const UNITS: [&str; 8] = ["rad", "deg", "pct", "V", "A", "N_m", "N", "norm"];
+use sysid::recording::{ColumnMap, Expression, INPUT_UNITS, NoteKind, ReadOptions, Recording, header, parse};
 
 /// `--axis`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -80,7 +77,7 @@ fn told(name: &str) -> Option<(Axis, Tells, &str)> {
     Axis::ALL.into_iter().find_map(|axis| {
         let [word, rate, angle] = names(axis);
         let command = name.strip_prefix("u_").and_then(|rest| rest.strip_prefix(word)?.strip_prefix('_'));
-        let input = command.filter(|unit| UNITS.contains(unit)).map(|unit| (axis, Tells::Input, unit));
+        let input = command.filter(|unit| INPUT_UNITS.contains(unit)).map(|unit| (axis, Tells::Input, unit));
         let of = |begin: &str, units: [&str; 2], tells| {
             let unit = name.strip_prefix(begin).filter(|unit| units.contains(unit))?;
             Some((axis, tells, unit))
@@ -152,17 +149,22 @@ impl Readable {
         }
     }
 
-    /// Reads one axis; without one a log's pitch, and of a recording what it has.
-    pub fn recording(&self, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
+    /// Reads one axis, alone or one `of_several` that are asked; without one a log's pitch, and of a recording what it has.
+    pub fn recording(
+        &self,
+        axis: Option<Axis>,
+        of_several: bool,
+        options: &ReadOptions,
+    ) -> Result<Recording, Failure> {
         match self {
             Self::Log(flight) => recording(flight, axis.unwrap_or(Axis::Pitch), options),
             Self::Table(table, time) => {
-                let mut recording = recording_of(table, axis, options)?;
+                let mut recording = recording_of(table, axis, of_several, options)?;
                 let Some(TimeSpan { from, to }) = time else { return Ok(recording) };
                 // what lies near the ground is used where nothing else is meant
                 if recording.cut(*from, *to).is_err() {
                     let all = ReadOptions { on_ground: true, ..options.clone() };
-                    recording = recording_of(table, axis, &all)?;
+                    recording = recording_of(table, axis, of_several, &all)?;
                     recording.cut(*from, *to)?;
                 }
                 Ok(recording)
@@ -179,25 +181,14 @@ fn axes_of<'n>(names: impl Iterator<Item = &'n str> + Clone) -> Vec<Axis> {
     Axis::ALL.into_iter().filter(|&axis| has(axis, Tells::Input) && has(axis, Tells::Rate)).collect()
 }
 
-/// The options for one axis of all: what is mapped as rate and angle without another axis' name is pitch's.
-pub fn of_axis(axis: Axis, options: &ReadOptions) -> ReadOptions {
-    let mut own = options.clone();
-    own.columns.retain(|map| {
-        let of_pitch =
-            told(&map.target).is_some_and(|(of, tells, _)| of == Axis::Pitch && tells != Tells::Input);
-        axis == Axis::Pitch || !of_pitch
-    });
-    own
-}
-
 /// The columns of the file, and those that the user maps.
 fn all_names<'n>(header: &'n [String], options: &'n ReadOptions) -> impl Iterator<Item = &'n str> + Clone {
     header.iter().map(String::as_str).chain(options.columns.iter().map(|map| map.target.as_str()))
 }
 
-/// What the user maps, as a recording of `axis` alone has it. What is mapped as the input, rate or angle of a recording of one axis
-/// is that of `axis`, unless this is mapped by its own name.
-fn maps_for(axis: Axis, maps: &[ColumnMap]) -> Vec<ColumnMap> {
+/// What the user maps, as a recording of `axis` alone has it. What is mapped as the rate or angle of a recording of one axis is that of
+/// `axis`, and pitch's where this is mapped by its own name, or is one `of_several` that are asked.
+fn maps_for(axis: Axis, of_several: bool, maps: &[ColumnMap]) -> Vec<ColumnMap> {
     let is_own = |map: &ColumnMap, asked: Tells| {
         told(&map.target).is_some_and(|(of, tells, _)| of == axis && tells == asked)
     };
@@ -205,7 +196,7 @@ fn maps_for(axis: Axis, maps: &[ColumnMap]) -> Vec<ColumnMap> {
         let Some(what) = told(&map.target) else { return Some(map.clone()) };
         let (of, tells, _) = what;
         let of_one_alone = of == Axis::Pitch && tells != Tells::Input;
-        if of_one_alone && !maps.iter().any(|other| is_own(other, tells)) {
+        if of_one_alone && !of_several && !maps.iter().any(|other| is_own(other, tells)) {
             return Some(map.clone());
         }
         Some(ColumnMap { target: place(axis, what)?, ..map.clone() })
@@ -220,14 +211,19 @@ fn slot(name: &str) -> &str {
 }
 
 /// Reads one axis of a recording as if it were the only one; what the user maps goes first.
-fn recording_of(table: &Table, axis: Option<Axis>, options: &ReadOptions) -> Result<Recording, Failure> {
+fn recording_of(
+    table: &Table,
+    axis: Option<Axis>,
+    of_several: bool,
+    options: &ReadOptions,
+) -> Result<Recording, Failure> {
     let Table { name, text, .. } = table;
     let header = header(name, text)?;
     let pitch = || axes_of(all_names(&header, options)).contains(&Axis::Pitch).then_some(Axis::Pitch);
     let Some(axis) = axis.or_else(pitch) else {
         return Ok(parse(name, text, options)?);
     };
-    let maps = maps_for(axis, &options.columns);
+    let maps = maps_for(axis, of_several, &options.columns);
     let mut own: Vec<ColumnMap> = Vec::new();
     // a column in degrees gives way to the same signal in another unit
     for in_degrees in [false, true] {
@@ -293,16 +289,19 @@ mod tests {
         let options = ReadOptions::default();
         let names = header(&table.name, &table.text).unwrap();
         assert_eq!(axes_of(all_names(&names, &options)), [Axis::Roll, Axis::Yaw]);
-        let roll = recording_of(&table, Some(Axis::Roll), &options).unwrap();
+        let roll = recording_of(&table, Some(Axis::Roll), false, &options).unwrap();
         assert_eq!((roll.u[3], roll.q.unwrap()[3]), (3.0, 9.0));
         assert!(roll.theta.is_none(), "the angle of pitch is none of roll's");
         assert_eq!(roll.p.unwrap()[3], 12.0, "pitch stands beside roll as roll beside pitch");
-        let yaw = recording_of(&table, Some(Axis::Yaw), &options).unwrap();
+        let yaw = recording_of(&table, Some(Axis::Yaw), false, &options).unwrap();
         assert_eq!((yaw.u[3], yaw.q.unwrap()[3]), (6.0, 3_f64.sin()));
         let mapped = ReadOptions { columns: vec!["q_rad_s=-p_rad_s".parse().unwrap()], ..options };
-        let turned = recording_of(&table, Some(Axis::Roll), &mapped).unwrap();
+        let turned = recording_of(&table, Some(Axis::Roll), false, &mapped).unwrap();
         assert_eq!(turned.q.unwrap()[3], -9.0);
-        assert!(recording_of(&table, Some(Axis::Pitch), &mapped).is_err(), "there is no input of pitch");
+        assert!(
+            recording_of(&table, Some(Axis::Pitch), false, &mapped).is_err(),
+            "there is no input of pitch"
+        );
     }
 
     #[test]
@@ -321,15 +320,15 @@ mod tests {
             options(&["t_s=time", "u_roll_norm=m_roll", "u_pitch_norm=m_pitch", "p_rad_s=gx", "q_rad_s=gy"]);
         let names = header(&table.name, &table.text).unwrap();
         assert_eq!(axes_of(all_names(&names, &both)), [Axis::Roll, Axis::Pitch]);
-        let roll = recording_of(&table, Some(Axis::Roll), &both).unwrap();
+        let roll = recording_of(&table, Some(Axis::Roll), false, &both).unwrap();
         assert_eq!((roll.u[3], roll.q.unwrap()[3], roll.p.unwrap()[3]), (3.0, 9.0, 12.0));
         for axis in [Some(Axis::Pitch), None] {
-            let pitch = recording_of(&table, axis, &both).unwrap();
+            let pitch = recording_of(&table, axis, false, &both).unwrap();
             assert_eq!((pitch.u[3], pitch.q.unwrap()[3], pitch.p.unwrap()[3]), (6.0, 12.0, 9.0));
         }
         let as_one = options(&["t_s=time", "u_norm=m_roll", "q_rad_s=gx"]);
-        let roll = recording_of(&table, Some(Axis::Roll), &as_one).unwrap();
+        let roll = recording_of(&table, Some(Axis::Roll), false, &as_one).unwrap();
         assert_eq!((roll.u[3], roll.q.unwrap()[3]), (3.0, 9.0), "of the axis that is asked");
-        assert!(recording_of(&table, Some(Axis::Yaw), &both).is_err(), "there is no input of yaw");
+        assert!(recording_of(&table, Some(Axis::Yaw), false, &both).is_err(), "there is no input of yaw");
     }
 }

@@ -95,7 +95,7 @@ fn header_cases() -> Vec<Case> {
             Column,
             Some(1),
             None,
-            &["no column t_s among time", "--column t_s=NAME"],
+            &["no column t_s among time", "--column 't_s=time'"],
         ),
         case(
             "time in capitals",
@@ -111,7 +111,7 @@ fn header_cases() -> Vec<Case> {
             Column,
             Some(1),
             None,
-            &["no input column", "u_pct", "--column u_rad=NAME"],
+            &["no input column", "u_pct", "--column 'u_norm=u'"],
         ),
         case(
             "two inputs",
@@ -127,7 +127,7 @@ fn header_cases() -> Vec<Case> {
             Column,
             Some(1),
             None,
-            &["neither pitch rate nor pitch angle", "--column q_rad_s=NAME"],
+            &["neither pitch rate nor pitch angle", "--column 'q_rad_s=gyro'"],
         ),
         case(
             "double column",

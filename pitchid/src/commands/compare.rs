@@ -151,9 +151,10 @@ pub fn compared(
     let sides =
         [side(arguments, &columns, &arguments.before, 0)?, side(arguments, &columns, &arguments.after, 1)?];
     let axes: Vec<Option<Axis>> = choice.wanted(&sides[0].axes(&options), &sides[1].axes(&options));
+    let several = axes.len() > 1;
     let (mut answers, mut refusals) = (Vec::new(), Vec::new());
     for axis in axes {
-        let read = |side: &Readable| side.recording(axis, &options);
+        let read = |side: &Readable| side.recording(axis, several, &options);
         let pair = read(&sides[0]).and_then(|before| Ok([before, read(&sides[1])?]));
         match pair {
             Ok([before, after]) => {

@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let progress = Progress::start("reading");
     // there is one for the one file
     let source = open(std::slice::from_ref(recording), &columns)?.swap_remove(0);
-    let found = Readable::new(source, *flight, time.as_ref())?.recording(axis, &options)?;
+    let found = Readable::new(source, *flight, time.as_ref())?.recording(axis, false, &options)?;
     progress.say("writing the table".into());
     write(&found, &mut bytes)?;
     drop(progress);

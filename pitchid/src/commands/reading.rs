@@ -1,6 +1,6 @@
 //! Recordings and models as arguments.
 
-use crate::axes::{AxisChoice, Readable, of_axis};
+use crate::axes::{AxisChoice, Readable};
 use crate::failure::Failure;
 use crate::input;
 use crate::logs::{TimeSpan, open};
@@ -112,9 +112,10 @@ impl Reading {
         &self,
         source: &Readable,
         axis: Option<Axis>,
+        of_several: bool,
         options: &ReadOptions,
     ) -> Result<Recording, Failure> {
-        let mut recording = source.recording(axis, options)?;
+        let mut recording = source.recording(axis, of_several, options)?;
         if let Some(vehicle) = &self.vehicle {
             vehicle.complete(&mut recording);
         }
@@ -125,7 +126,7 @@ impl Reading {
     pub fn recordings(&self) -> Result<Vec<Recording>, Failure> {
         let axis = self.axis.map(AxisChoice::single).transpose()?;
         let options = self.options();
-        self.sources()?.iter().map(|source| self.read(source, axis, &options)).collect()
+        self.sources()?.iter().map(|source| self.read(source, axis, false, &options)).collect()
     }
 
     /// The recordings of one axis, and what is said of them.
@@ -152,8 +153,7 @@ impl Reading {
         let axes: Vec<Vec<Axis>> = sources.iter().map(|source| source.axes(&options)).collect();
         let mut all = ByAxis::default();
         for axis in Axis::ALL.into_iter().filter(|axis| axes.iter().all(|own| own.contains(axis))) {
-            let options = of_axis(axis, &options);
-            let read = sources.iter().map(|source| self.read(source, Some(axis), &options));
+            let read = sources.iter().map(|source| self.read(source, Some(axis), true, &options));
             match read.collect::<Result<Vec<Recording>, Failure>>() {
                 Ok(recordings) => all.read.push((axis, recordings)),
                 Err(refusal) => all.refused.push(refusal),

@@ -89,8 +89,9 @@ fn of_table(table: &Readable, axis: Option<Axis>, columns: &[ColumnMap]) -> Resu
     if axes.is_empty() {
         axes.push(None);
     }
+    let several = axes.len() > 1;
     let read = |axis| {
-        let recording = table.recording(axis, &options)?;
+        let recording = table.recording(axis, several, &options)?;
         Ok(Shown::Recording(ShownRecording {
             options: as_options(columns),
             ..of_recording(&recording, axis)

@@ -80,6 +80,7 @@ impl Run {
             let half_ends = |b: usize| 0.5 * (x[(b + 1) * factor] - x[b * factor]);
             held(x).iter().enumerate().map(|(b, mean)| mean + half_ends(b) / factor as f64).collect()
         };
+        let command = |x: &[f64]| if self.held { held(x) } else { sampled(x) };
         let rows = |r: &Range<usize>| r.start.div_ceil(factor)..(r.end / factor).min(blocks);
         Self {
             recording: self.recording,
@@ -87,7 +88,7 @@ impl Run {
             start: self.start + 0.5 * factor as f64 * self.step,
             step: factor as f64 * self.step,
             held: false,
-            u: if self.held { held(&self.u) } else { sampled(&self.u) },
+            u: command(&self.u),
             between: Some(MovingMean::new(&self.u, factor, self.held)),
             leads: self.holds_longer_than(factor),
             rate: self.rate.as_deref().map(sampled),
@@ -100,12 +101,8 @@ impl Run {
                     .as_ref()
                     .map(|rows| (0..blocks).map(|b| rows[b * factor + factor / 2]).collect()),
                 roll_rate: self.beside.roll_rate.as_deref().map(sampled),
-                roll_command: self.beside.roll_command.as_deref().map(if self.held {
-                    &held as &dyn Fn(&[f64]) -> Vec<f64>
-                } else {
-                    &sampled
-                }),
-                thrust: self.beside.thrust.as_deref().map(sampled),
+                roll_command: self.beside.roll_command.as_deref().map(command),
+                thrust: self.beside.thrust.as_deref().map(command),
                 voltage: self.beside.voltage.as_deref().map(sampled),
             },
             supervised: (0..blocks)

@@ -184,7 +184,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     progress("checking the data".into());
     let extended = &richest.fit;
     if data_checks::is_of_the_controller(recordings, &problem, extended)
-        || data_checks::turns_about(&problem, &fitted.fit, extended)
+        || data_checks::turns_cause_about(&problem, &fitted.fit, extended)
     {
         return input_first();
     }

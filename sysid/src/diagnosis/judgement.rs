@@ -6,7 +6,9 @@ use super::answer::{Predicted, Verdict};
 use super::gust::{Gust, gust};
 use super::input_hold::is_of_the_hold;
 use super::input_line::input_has_line;
-use super::levels::{ADEQUACY, BEYOND_DOUBT, CALM, HELD_OUT_ERRORS, MATERIAL, MENDS, WORTH_A_NAME};
+use super::levels::{
+    ADEQUACY, BEYOND_DOUBT, CALM, HELD_OUT_ERRORS, LONGEST_HORIZON_S, MATERIAL, MENDS, WORTH_A_NAME,
+};
 use super::materiality::{closed, is_immaterial, says_the_same, telling_horizon, vaf_ahead};
 use super::parts::Part;
 use super::posterior::{Finding, Selection, is_in_other_words};
@@ -70,13 +72,19 @@ impl<'p, 'd> Judgement<'p, 'd> {
         let gained_by_all = gain(selection.fullest).max(gain(selection.extended));
         let sections: Vec<_> = parts.iter().flat_map(|part| part.places.clone()).collect();
         let fit_at = |place: usize| &selection.visited[place].fit;
-        let horizon = telling_horizon(problem, fit_at(selection.extended), &sections);
-        let ahead_by = |fit: &Fit| vaf_ahead(problem, fit, &sections, horizon);
-        let baseline = LazyCell::new(|| ahead_by(fit_at(selection.baseline)));
-        let closed_by_fit = |fit: &Fit| closed(*baseline, ahead_by(fit));
+        let ahead_by = |fit: &Fit, horizon: f64| vaf_ahead(problem, fit, &sections, horizon);
+        let baseline = LazyCell::new(|| ahead_by(fit_at(selection.baseline), LONGEST_HORIZON_S));
+        let closed_by_fit = |fit: &Fit| closed(*baseline, ahead_by(fit, LONGEST_HORIZON_S));
         let closed_by = |place: usize| match place == selection.baseline {
             true => 0.0,
             false => closed_by_fit(fit_at(place)),
+        };
+        // what one name adds to others is asked where they tell anything; that is no measure of how much all of them explain
+        let horizon = telling_horizon(problem, fit_at(selection.extended), &sections);
+        let near = LazyCell::new(|| ahead_by(fit_at(selection.baseline), horizon));
+        let closed_near = |place: usize| match place == selection.baseline {
+            true => 0.0,
+            false => closed(*near, ahead_by(fit_at(place), horizon)),
         };
         let closed = closed_by(selection.named);
         // Names that close little give way to what closes more; names that leave next to nothing do not give way to shapes that
@@ -93,7 +101,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
             selection.extended
         };
         let Told { place, named, immaterial, shapes, rotation } = loop {
-            let told = told(problem, &selection, place, parts, &closed_by, progress);
+            let told = told(problem, &selection, place, parts, &closed_near, progress);
             match told.unfounded(problem, &selection) {
                 Some(without) => place = without,
                 None => break told,
@@ -289,7 +297,7 @@ fn told(
         });
         let probability =
             finding.probability + same.iter().map(|(_, probability, _)| probability).sum::<f64>();
-        (Finding { share, rivals, probability, ..finding }, immaterial)
+        (Finding { share, rivals, probability: probability.min(1.0), ..finding }, immaterial)
     };
     let mut named: Vec<(Finding, bool)> = named.into_iter().map(with_rest).collect();
     named.sort_by(|(a, _), (b, _)| b.share.total_cmp(&a.share));

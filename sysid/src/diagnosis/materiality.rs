@@ -5,7 +5,7 @@ use super::levels::{
 };
 use crate::dataset::Place;
 use crate::likelihood::fit::Fit;
-use crate::likelihood::horizon::horizon_vaf;
+use crate::likelihood::horizon::{Vaf, horizon_vaf};
 use crate::likelihood::problem::Problem;
 use crate::model::effect::{Effect, Locus};
 
@@ -23,9 +23,10 @@ pub fn vaf_ahead(
 /// The horizon at which models are compared, s: the longest at which `fullest` tells anything of the motion. In a loop and in gusts
 /// nothing tells a second ahead, with any term or without it.
 pub fn telling_horizon(problem: &Problem<'_>, fullest: &Fit, sections: &[Place]) -> f64 {
-    let tells =
-        |horizon: &f64| vaf_ahead(problem, fullest, sections, *horizon).is_some_and(|vaf| vaf >= SEEN_AT_ALL);
-    HORIZONS_S.into_iter().rev().find(tells).unwrap_or(LONGEST_HORIZON_S)
+    let unpacked = problem.unpack(&fullest.effects, &fullest.minimum.values);
+    let all = horizon_vaf(problem, &unpacked, sections, &HORIZONS_S).unwrap_or_default();
+    let tells = |vaf: &Option<Vaf>| vaf.is_some_and(|(vaf, _)| vaf >= SEEN_AT_ALL);
+    all.iter().rposition(tells).map_or(LONGEST_HORIZON_S, |i| HORIZONS_S[i])
 }
 
 /// Share of what a VAF of `before`, per cent, leaves of the motion, the noise included, that one of `after` closes; 0 where either

@@ -257,10 +257,9 @@ impl Selection {
                 // Without an angle nothing but the noise model tells a lag of the sensor from one of the actuator.
                 if same_class && !problem.data.has_angle {
                     p = p.max(alike_ahead(problem, [counterpart, &other.fit], neither));
-                    if neither
-                        .is_some_and(|neither| answers_alike(problem, [counterpart, &other.fit], neither))
-                    {
-                        p = p.max(own);
+                    let alike = |neither: &Fit| answers_alike(problem, [counterpart, &other.fit], neither);
+                    if p < own && neither.is_some_and(alike) {
+                        p = own;
                     }
                 }
             }

@@ -22,8 +22,9 @@ impl Predicted {
 /// Whether the answer's model tells nothing of parts held out: not a second ahead, not beyond the past of the next 0.1 s, and less
 /// than half by its free run. That nothing is missing from it then says nothing.
 pub fn tells_nothing(rotation: &Rotation) -> bool {
+    let judged = rotation.parts.iter().any(|part| matches!(part.extended.horizons.last(), Some(Some(_))));
     let free_run = rotation.mean(|part| Some(part.extended.free_run));
-    ahead(rotation) < SEEN_AT_ALL && the_inputs_own(rotation) <= 0.0 && free_run < SEEN
+    judged && ahead(rotation) < SEEN_AT_ALL && the_inputs_own(rotation) <= 0.0 && free_run < SEEN
 }
 
 /// VAF held out at the longest horizon, mean over the parts, per cent.
@@ -91,6 +92,7 @@ mod tests {
         assert!(!tells_nothing(92.0, 0.0, 10.0), "the next tenth of a second");
         assert!(!tells_nothing(70.0, 5.0, 10.0), "a second");
         assert!(!tells_nothing(70.0, 0.0, 60.0), "the free run");
+        assert!(!super::tells_nothing(&Rotation::of(Vec::new())), "no part");
     }
 
     #[test]

@@ -141,7 +141,7 @@ impl<'a> PitchModel<'a> {
         let longest = LONGEST_STEP.min(core::f64::consts::TAU / (SUBSTEPS_A_PERIOD * fastest));
         let substeps = (step / longest).ceil().clamp(1.0, MOST_SUBSTEPS as f64) as usize;
         let dt = step / substeps as f64;
-        if terms.iter().map(|term| term.effect.states()).sum::<usize>() > OWN_STATES {
+        if placed(terms).last().is_some_and(|last| last.collective.end > OWN_STATES) {
             return None;
         }
         let conditions = Conditions {

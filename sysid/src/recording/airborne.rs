@@ -24,22 +24,29 @@ const NEAR_GROUND_S: f64 = 1.0;
 /// Shortest flight that is used, s.
 const SHORTEST_FLIGHT_S: f64 = 3.0;
 
-/// Leaves the stretches in flight in `grid`, where the thrust was logged and something else is left out by that; all of it where one
-/// of the `sections` that the user names would have nothing left.
+/// Leaves the stretches in flight in `grid`, where the thrust was logged and something else is left out by that, and those of the
+/// `sections` that the user names that would have nothing left.
 pub(super) fn keep(table: &Table, grid: &mut Grid, sections: &[SectionSpec], notes: &mut Vec<Note>) {
     let of = |role: Role| table.signals.iter().find(|signal| signal.source.role == role);
     let (Some(thrust), Some(rate)) = (of(Role::Thrust), of(Role::Q)) else { return };
     let Some(flown) = flown(&thrust.values, &rate.values, &grid.segments, grid.step) else { return };
-    let flies = |section: &SectionSpec| {
-        flown.iter().any(|rows| table.t[rows.start] < section.to && section.from <= table.t[rows.end - 1])
+    let touches = |section: &SectionSpec, rows: &Range<usize>| {
+        table.t[rows.start] < section.to && section.from <= table.t[rows.end - 1]
     };
-    if !sections.iter().all(flies) {
-        return;
-    }
+    let grounded = sections.iter().filter(|section| !flown.iter().any(|rows| touches(section, rows)));
+    let named = grounded.flat_map(|section| {
+        grid.segments.iter().filter(|rows| touches(section, rows)).map(|rows| {
+            let at = |time: f64| rows.start + table.t[rows.clone()].partition_point(|t| *t < time);
+            at(section.from)..at(section.to)
+        })
+    });
+    let named: Vec<Range<usize>> = named.collect();
+    let mut flown = [flown.clone(), named].concat();
+    flown.sort_by_key(|rows| rows.start);
     let seconds =
         |all: &[Range<usize>]| all.iter().map(ExactSizeIterator::len).sum::<usize>() as f64 * grid.step;
     let text = format!(
-        "{:.1} of {:.1} s are used: the rest is on the ground or near it, by {} and {}; name a part with --section to use it all the same",
+        "{:.1} of {:.1} s are used: the rest is on the ground or near it, by {} and {}; what --section names is used there too",
         seconds(&flown),
         seconds(&grid.segments),
         thrust.source.name,
@@ -117,7 +124,7 @@ mod tests {
         };
         assert_eq!(used(&[], false), [200..500]);
         assert_eq!(used(&["I=3..7"], false), [200..500], "part of it flies");
-        assert_eq!(used(&["I=6..9"], false), [0..1000], "nothing else is meant");
+        assert_eq!(used(&["I=3..4", "II=6..9"], false), [200..500, 600..900], "nothing else is meant");
         assert_eq!(used(&[], true), [0..1000]);
     }
 

@@ -3,6 +3,7 @@
 use super::columns::{KNOWN_COLUMNS, Role};
 use super::expression::Expression;
 use super::options::ColumnMap;
+use super::proposal;
 use super::{Note, NoteKind};
 use crate::error::{Error, ErrorKind, nearest, quote};
 
@@ -141,39 +142,38 @@ fn add_own_column(sources: &mut Vec<Source>, new: Source) -> Result<(), Error> {
 
 fn require(sources: &[Source], header: &[String]) -> Result<(), Error> {
     let has = |wanted: fn(Role) -> bool| sources.iter().any(|s| wanted(s.role));
-    let missing = if !has(|r| r == Role::Time) {
+    let (what, expected, more) = if !has(|r| r == Role::Time) {
         (
             "no column t_s",
             "t_s, the time of each sample in seconds",
-            "--column t_s=NAME, or --column 't_s=NAME*0.001' for milliseconds; where no time was logged, --column 't_s=row*0.01' \
-             counts rows of 0.01 s",
+            "'t_s=NAME*0.001' for milliseconds; where no time was logged, 't_s=row*0.01' counts rows of 0.01 s",
         )
     } else if !has(|r| matches!(r, Role::Input(_))) {
         (
             "no input column",
             "one of u_rad (or u_deg), u_pct, u_V, u_A, u_N_m, u_N, u_norm",
-            "--column u_rad=NAME, or another of these with its unit; where nothing was commanded (a release, a ring-down), with \
-             --column u_norm=0",
+            "where nothing was commanded (a release, a ring-down), --column u_norm=0",
         )
     } else if !has(|r| matches!(r, Role::Q | Role::Theta)) {
         (
             "neither pitch rate nor pitch angle",
             "q_rad_s or theta_rad (or q_deg_s, theta_deg)",
-            "--column q_rad_s=NAME or --column theta_rad=NAME",
+            "a sign that is reversed: 'q_rad_s=-NAME'",
         )
     } else {
         return Ok(());
     };
-    let (what, expected, option) = missing;
+    let option =
+        format!("{}, with the names and units that are right ({more})", proposal::options(header, has));
     let alike = header
         .iter()
         .find(|name| KNOWN_COLUMNS.iter().any(|known| known.eq_ignore_ascii_case(name) && known != name));
     let found = format!("{what} among {}", listed(header));
     let advice = match alike {
         Some(name) => {
-            format!("names are case-sensitive: look at {}; or map a column with {option}", quote(name))
+            format!("names are case-sensitive: look at {}; or map the columns with {option}", quote(name))
         }
-        None => format!("rename the column, or map it with {option}"),
+        None => format!("map the columns with {option}"),
     };
     Err(Error::new(ErrorKind::Column, found, advice).expecting(expected))
 }

@@ -1,5 +1,8 @@
 //! The columns of the format: their names, units and roles.
 
+/// Units of a command, as they end its name.
+pub const INPUT_UNITS: [&str; 8] = ["rad", "deg", "pct", "V", "A", "N_m", "N", "norm"];
+
 /// Names a file may use, in the order of the format's table.
 pub const KNOWN_COLUMNS: [&str; 34] = [
     "t_s",
@@ -125,9 +128,8 @@ impl InputUnit {
 
 /// Whether a column of a free vehicle has this name, which that of one axis alone has no place for.
 pub(super) fn is_of_another_axis(name: &str) -> bool {
-    const UNITS: [&str; 8] = ["rad", "deg", "pct", "V", "A", "N_m", "N", "norm"];
     let command = ["u_pitch_", "u_yaw_"].iter().find_map(|begin| name.strip_prefix(begin));
-    command.is_some_and(|unit| UNITS.contains(&unit)) || matches!(name, "psi_rad" | "psi_deg")
+    command.is_some_and(|unit| INPUT_UNITS.contains(&unit)) || matches!(name, "psi_rad" | "psi_deg")
 }
 
 /// What a column means.

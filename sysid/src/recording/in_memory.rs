@@ -40,7 +40,7 @@ pub fn from_columns(
 ) -> Result<Recording, Error> {
     let mut notes = Vec::new();
     let found = table(columns, options, &mut notes).and_then(|mut table| {
-        missing::leave_out(&mut table, &mut notes)?;
+        missing::leave_out(&mut table, options.input_hold, &mut notes)?;
         on_grid(name, table, options, notes)
     });
     found.map_err(|error| error.in_file(name))

@@ -1,12 +1,13 @@
 //! Cells without a number: empty, NaN, or a word that loggers write for it.
 //!
 //! A row without time, input, rate or angle is left out: the clock then sees a gap. A command that was logged less often than the
-//! motion is held from each of its rows to the next. A column that is not needed in every
+//! motion is carried from each of its rows to the next. A column that is not needed in every
 //! row is bridged there, commands held, measured signals by straight lines. A column without any number, and a rate or
 //! angle that is missing in most rows while the other is there, is not used. All of it is told.
 
 use super::clock::counted;
 use super::columns::Role;
+use super::options::InputHold;
 use super::table::{Signal, Table};
 use super::{Note, NoteKind};
 use crate::error::{Error, ErrorKind};
@@ -14,8 +15,8 @@ use crate::error::{Error, ErrorKind};
 /// Lines that a note names.
 const LINES_TOLD: usize = 5;
 
-/// Share of the rows with a measurement that lack the command where it was logged less often than the motion.
-const SLOWER: f64 = 0.25;
+/// Rows with a measurement between two with the command, by their median, from which on it was logged less often.
+const SLOWER: f64 = 1.5;
 /// Times its usual distance for which such a command is held; longer, it is missing.
 const LONGEST_HOLD: f64 = 10.0;
 
@@ -29,10 +30,10 @@ pub(super) fn is_missing(cell: &str) -> bool {
             && (bare.len() == 3 || bare[3..].starts_with('('))
 }
 
-/// Leaves no cell without a number in `table`.
-pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), Error> {
+/// Leaves no cell without a number in `table`, whose input is as `hold` says between its rows.
+pub(super) fn leave_out(table: &mut Table, hold: InputHold, notes: &mut Vec<Note>) -> Result<(), Error> {
     drop_sparse(table, notes)?;
-    hold_slower_commands(table, notes);
+    carry_slower_commands(table, hold == InputHold::Held, notes);
     for signal in table.signals.iter_mut().filter(|signal| !is_needed(signal)) {
         let rows = missing(&signal.values);
         if let (Some(&first), Some(&last)) = (rows.first(), rows.last()) {
@@ -69,36 +70,51 @@ pub(super) fn leave_out(table: &mut Table, notes: &mut Vec<Note>) -> Result<(), 
     Ok(())
 }
 
-/// Holds a command that lacks in many rows which have a measurement, from each row that has it to the next.
-fn hold_slower_commands(table: &mut Table, notes: &mut Vec<Note>) {
+/// Carries a command that was logged less often than the motion, or in rows of its own, from each row that has it to the next: `held`,
+/// or along a straight line.
+fn carry_slower_commands(table: &mut Table, held: bool, notes: &mut Vec<Note>) {
     let outputs: Vec<&Signal> = table.signals.iter().filter(|signal| is_output(signal)).collect();
     let measured: Vec<bool> =
         (0..table.t.len()).map(|row| outputs.iter().any(|s| !s.values[row].is_nan())).collect();
-    let most = measured.iter().filter(|m| **m).count();
+    let count = |rows: std::ops::Range<usize>| measured[rows].iter().filter(|measured| **measured).count();
+    let t = &table.t;
     for signal in table.signals.iter_mut().filter(|signal| signal.source.role.is_input()) {
-        let known: Vec<usize> = (0..table.t.len()).filter(|&row| !signal.values[row].is_nan()).collect();
-        let lacking = (0..table.t.len()).filter(|&row| measured[row] && signal.values[row].is_nan()).count();
-        if (lacking as f64) < SLOWER * most as f64 || known.len() < 2 {
+        let known: Vec<usize> =
+            (0..t.len()).filter(|&row| !signal.values[row].is_nan() && t[row].is_finite()).collect();
+        let pairs: Vec<(f64, usize)> =
+            known.windows(2).map(|pair| (t[pair[1]] - t[pair[0]], count(pair[0] + 1..pair[1] + 1))).collect();
+        let Some(usual) = middle(pairs.iter().map(|pair| pair.0)) else { continue };
+        let between = middle(pairs.iter().map(|pair| pair.1 as f64)).unwrap_or(0.0);
+        let with_motion = known.iter().filter(|&&row| measured[row]).count();
+        if between < SLOWER && 2 * with_motion >= known.len() {
             continue;
         }
-        let mut apart: Vec<f64> = known.windows(2).map(|pair| table.t[pair[1]] - table.t[pair[0]]).collect();
-        let middle = apart.len() / 2;
-        let usual = *apart.select_nth_unstable_by(middle, f64::total_cmp).1;
         for (i, &from) in known.iter().enumerate() {
-            let to = known.get(i + 1).copied().unwrap_or(table.t.len());
-            let holds = |row: &usize| table.t[*row] - table.t[from] <= LONGEST_HOLD * usual;
-            for row in (from + 1..to).take_while(holds) {
-                signal.values[row] = signal.values[from];
+            let next = known.get(i + 1).copied();
+            let (to, value) = (next.unwrap_or(t.len()), signal.values[from]);
+            let slope =
+                next.filter(|_| !held).map_or(0.0, |to| (signal.values[to] - value) / (t[to] - t[from]));
+            for row in from + 1..to {
+                if t[row] - t[from] <= LONGEST_HOLD * usual {
+                    signal.values[row] = value + slope * (t[row] - t[from]);
+                }
             }
         }
+        let how = if held { "it is held from each" } else { "it goes along a straight line from each" };
         let text = format!(
-            "{} has a number in {} of the {} with a measurement: logged less often, it is held from each to the next",
+            "{} has a number in {} of the {} with a measurement: logged less often, {how} to the next",
             signal.source.name,
-            most - lacking,
-            counted(most, "row")
+            with_motion,
+            counted(count(0..t.len()), "row")
         );
         notes.push(Note::new(NoteKind::Missing, text));
     }
+}
+
+fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// Whether no row can do without it.

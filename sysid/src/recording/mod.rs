@@ -25,6 +25,7 @@ mod matlab;
 mod missing;
 mod options;
 pub(crate) mod plateaus;
+mod proposal;
 pub(crate) mod rate_and_angle;
 mod same_stamps;
 mod sections;
@@ -39,7 +40,7 @@ mod write;
 use std::ops::Range;
 use std::path::Path;
 
-pub use columns::{InputUnit, KNOWN_COLUMNS};
+pub use columns::{INPUT_UNITS, InputUnit, KNOWN_COLUMNS};
 pub use expression::Expression;
 pub use in_memory::{Column, from_columns};
 pub use options::{ColumnMap, InputHold, ReadOptions, SectionSpec};
@@ -212,7 +213,7 @@ pub fn parse(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recording
 fn parse_unnamed(name: &str, text: &[u8], options: &ReadOptions) -> Result<Recording, Error> {
     let mut notes = Vec::new();
     let mut table = table::read(text, options, &mut notes)?;
-    missing::leave_out(&mut table, &mut notes)?;
+    missing::leave_out(&mut table, options.input_hold, &mut notes)?;
     on_grid(name, table, options, notes)
 }
 

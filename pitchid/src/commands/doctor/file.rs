@@ -56,7 +56,7 @@ fn examine(
         Source::Log(flights) => log(flights, axis, &options, steps),
         Source::Recording(_) => {
             let table = Readable::new(source, None, None).map_err(|failure| Step::of(&failure))?;
-            let found = table.recording(axis, &options).map_err(|failure| Step::of(&failure))?;
+            let found = table.recording(axis, false, &options).map_err(|failure| Step::of(&failure))?;
             steps.push(Step::well(format!(
                 "a recording: {} at {:.1} Hz, {:.1} s",
                 plural(found.len() as u64, "row"),
@@ -158,7 +158,7 @@ fn log(
     steps.push(Step::well(format!("{axis} can be asked: its input moves for {length:.0} s")));
     let readable =
         Readable::new(Source::Log(vec![flight]), None, None).map_err(|failure| Step::of(&failure))?;
-    let found = readable.recording(Some(axis), options).map_err(|failure| Step::of(&failure))?;
+    let found = readable.recording(Some(axis), true, options).map_err(|failure| Step::of(&failure))?;
     checked(&found, steps)?;
     Ok(Some(command))
 }

@@ -159,7 +159,7 @@ pub fn is_of_the_controller(recordings: &[Recording], problem: &Problem<'_>, fit
 /// Whether the terms of `extended` turn cause and effect about: the motion comes as long before its input as stamps may be off, comes
 /// after it by the `baseline` alone, and settles like a command that is made of it. That is how a controller answers the motion, and
 /// no physics.
-pub fn turns_about(problem: &Problem<'_>, baseline: &Fit, extended: &Fit) -> bool {
+pub fn turns_cause_about(problem: &Problem<'_>, baseline: &Fit, extended: &Fit) -> bool {
     let first = extended.delay(problem) <= problem.earliest();
     !problem.baseline.input_first
         && first

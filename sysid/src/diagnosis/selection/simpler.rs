@@ -2,7 +2,8 @@
 //! slides is dry friction, however clear the evidence where the sensors are good.
 
 use super::Search;
-use crate::diagnosis::materiality::{closed, says_the_same, telling_horizon, vaf_ahead};
+use crate::diagnosis::levels::LONGEST_HORIZON_S;
+use crate::diagnosis::materiality::{closed, says_the_same, vaf_ahead};
 use crate::likelihood::fit::Fit;
 use crate::model::effect::Effect;
 use std::cell::LazyCell;
@@ -12,11 +13,10 @@ impl Search<'_, '_> {
     /// leaves, and with all that stands beside them asked again.
     pub fn simplest(&mut self, mut place: usize, baseline: usize) -> usize {
         let (problem, sections) = (self.problem, self.problem.data.places());
-        let found = place;
-        let horizon = LazyCell::new(|| telling_horizon(problem, &self.visited[found].fit, &sections));
-        let ahead = |fit: &Fit| vaf_ahead(problem, fit, &sections, *horizon);
+        let ahead = |fit: &Fit| vaf_ahead(problem, fit, &sections, LONGEST_HORIZON_S);
         // most models have no name with a special case that was visited
         let before = LazyCell::new(|| ahead(&self.visited[baseline].fit));
+        let found = place;
         while let Some(simpler) = self.simpler(place, &|fit| closed(*before, ahead(fit))) {
             place = simpler;
         }

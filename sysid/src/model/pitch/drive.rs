@@ -65,11 +65,11 @@ impl PitchModel<'_> {
                 drive.left = self.left_after_jump(run, at.command, ends);
                 drive.change = -self.angle(ends[0], own, at);
             }
+            for term in self.driving.iter().filter(|term| !term.collective.is_empty()) {
+                let carried = &mut own[term.collective.clone()];
+                at.thrust = term.effect.actuate(term.values, carried, at.thrust, at);
+            }
             for term in &self.driving {
-                if term.effect.carries_thrust() {
-                    at.thrust =
-                        term.effect.actuate(term.values, &mut own[term.collective.clone()], at.thrust, at);
-                }
                 drive.blades = term.effect.actuate(term.values, &mut own[term.own.clone()], drive.blades, at);
                 drive.forced += term.effect.forcing(term.values, at);
             }
