@@ -144,7 +144,7 @@ impl Readable {
             Self::Log(_) => Axis::ALL.to_vec(),
             Self::Table(table, _) => {
                 let names = header(&table.name, &table.text);
-                names.map_or(Vec::new(), |header| axes_of(all_names(&header, options)))
+                names.map_or(Vec::new(), |header| axes_of(&header, options))
             }
         }
     }
@@ -173,17 +173,14 @@ impl Readable {
     }
 }
 
-/// The axes of which there are an input and a rate among these columns; none where they are of one axis alone.
-fn axes_of<'n>(names: impl Iterator<Item = &'n str> + Clone) -> Vec<Axis> {
-    let has = |axis: Axis, tells: Tells| {
-        names.clone().filter_map(told).any(|(of, what, _)| of == axis && what == tells)
-    };
+/// The axes of which there are an input and a rate among the columns of the file and those that the user maps; none where they are of
+/// one axis alone.
+fn axes_of(header: &[String], options: &ReadOptions) -> Vec<Axis> {
+    let mapped = options.columns.iter().map(|map| map.target.as_str());
+    let all: Vec<(Axis, Tells, &str)> =
+        header.iter().map(String::as_str).chain(mapped).filter_map(told).collect();
+    let has = |axis: Axis, tells: Tells| all.iter().any(|(of, what, _)| *of == axis && *what == tells);
     Axis::ALL.into_iter().filter(|&axis| has(axis, Tells::Input) && has(axis, Tells::Rate)).collect()
-}
-
-/// The columns of the file, and those that the user maps.
-fn all_names<'n>(header: &'n [String], options: &'n ReadOptions) -> impl Iterator<Item = &'n str> + Clone {
-    header.iter().map(String::as_str).chain(options.columns.iter().map(|map| map.target.as_str()))
 }
 
 /// What the user maps, as a recording of `axis` alone has it. What is mapped as the rate or angle of a recording of one axis is that of
@@ -219,7 +216,7 @@ fn recording_of(
 ) -> Result<Recording, Failure> {
     let Table { name, text, .. } = table;
     let header = header(name, text)?;
-    let pitch = || axes_of(all_names(&header, options)).contains(&Axis::Pitch).then_some(Axis::Pitch);
+    let pitch = || axes_of(&header, options).contains(&Axis::Pitch).then_some(Axis::Pitch);
     let Some(axis) = axis.or_else(pitch) else {
         return Ok(parse(name, text, options)?);
     };
@@ -288,7 +285,7 @@ mod tests {
         let table = Table { name: "flight.csv".into(), text: text.into_bytes() };
         let options = ReadOptions::default();
         let names = header(&table.name, &table.text).unwrap();
-        assert_eq!(axes_of(all_names(&names, &options)), [Axis::Roll, Axis::Yaw]);
+        assert_eq!(axes_of(&names, &options), [Axis::Roll, Axis::Yaw]);
         let roll = recording_of(&table, Some(Axis::Roll), false, &options).unwrap();
         assert_eq!((roll.u[3], roll.q.unwrap()[3]), (3.0, 9.0));
         assert!(roll.theta.is_none(), "the angle of pitch is none of roll's");
@@ -319,7 +316,7 @@ mod tests {
         let both =
             options(&["t_s=time", "u_roll_norm=m_roll", "u_pitch_norm=m_pitch", "p_rad_s=gx", "q_rad_s=gy"]);
         let names = header(&table.name, &table.text).unwrap();
-        assert_eq!(axes_of(all_names(&names, &both)), [Axis::Roll, Axis::Pitch]);
+        assert_eq!(axes_of(&names, &both), [Axis::Roll, Axis::Pitch]);
         let roll = recording_of(&table, Some(Axis::Roll), false, &both).unwrap();
         assert_eq!((roll.u[3], roll.q.unwrap()[3], roll.p.unwrap()[3]), (3.0, 9.0, 12.0));
         for axis in [Some(Axis::Pitch), None] {
