@@ -231,15 +231,18 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         let location = data_checks::everywhere(&checks, data);
         return with_checks(unanswered(Verdict::CheckData, String::new(), Some(location)), checks, None);
     }
-    if found.answer.verdict == Verdict::NoMismatch && tells_nothing(&judgement.rotation) {
-        let what = if closed {
-            "Move the set-point, or put in a signal of your own behind the controller"
-        } else {
-            "Use a larger amplitude"
+    let little = closed && !predicts(&found.answer);
+    if found.answer.verdict == Verdict::NoMismatch && (little || tells_nothing(&judgement.rotation)) {
+        let [why, remedy] = match closed {
+            true => [
+                "the loop is closed, and",
+                "Move the set-point, or put in a signal of your own behind the controller",
+            ],
+            false => ["of parts of them that were held out", "Use a larger amplitude"],
         };
         let reason = format!(
-            "The data cannot tell: of parts of them that were held out the model tells nothing (VAF 1 s ahead {:.1} %, and of the next 0.1 s \
-             no more than the past of the motion), so that nothing is missing from it says nothing. {what}.",
+            "The data cannot tell: {why} the model tells too little (VAF 1 s ahead on sections held out in turn: {:.1} %) for it to say anything that \
+             nothing is missing from it. {remedy}.",
             ahead(&judgement.rotation)
         );
         return with_checks(unanswered(Verdict::NotExcited, reason, None), checks, balance.as_ref());

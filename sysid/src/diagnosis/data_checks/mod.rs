@@ -173,10 +173,12 @@ fn settles_like_a_command(problem: &Problem<'_>, fit: &Fit) -> bool {
     -plant.dm_dq * QUICK_ROWS * problem.sizes.step > plant.inertia
 }
 
-/// Whether the loop is closed and `fit`, with the input first, has the motion follow without any delay: nothing but the controller
-/// moves the input then.
+/// Whether `fit`, with the input first, has the motion follow without any delay, and the loop is closed or the motion settles like a
+/// command that is made of it: nothing but the controller moves the input then. A fit that copies the controller to the last digit
+/// leaves nothing that would show the loop.
 pub fn is_the_controller_alone(problem: &Problem<'_>, fit: &Fit, loops: &Loops) -> bool {
-    problem.baseline.input_first && fit.delay(problem) <= problem.earliest() && loops.all_closed()
+    let at_once = problem.baseline.input_first && fit.delay(problem) <= problem.earliest();
+    at_once && (loops.all_closed() || settles_like_a_command(problem, fit))
 }
 
 /// The causes that only a fit can tell, where there is none.
