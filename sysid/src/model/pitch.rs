@@ -141,7 +141,8 @@ impl<'a> PitchModel<'a> {
         let longest = LONGEST_STEP.min(core::f64::consts::TAU / (SUBSTEPS_A_PERIOD * fastest));
         let substeps = (step / longest).ceil().clamp(1.0, MOST_SUBSTEPS as f64) as usize;
         let dt = step / substeps as f64;
-        if placed(terms).last().is_some_and(|last| last.collective.end > OWN_STATES) {
+        let acting = placed(terms);
+        if acting.last().is_some_and(|last| last.collective.end > OWN_STATES) {
             return None;
         }
         let conditions = Conditions {
@@ -182,7 +183,7 @@ impl<'a> PitchModel<'a> {
         if !block.amax().is_finite() || block.amax() > 1e4 {
             return None;
         }
-        let terms = placed(terms);
+        let terms = acting;
         let (within_sample, driving): (Vec<Placed<'_>>, Vec<Placed<'_>>) =
             terms.iter().cloned().partition(|term| term.effect.within_sample());
         let (rubbing, within_sample): (Vec<Placed<'_>>, Vec<Placed<'_>>) =

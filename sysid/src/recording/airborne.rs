@@ -94,7 +94,8 @@ fn flown(thrust: &[f64], rate: &[f64], segments: &[Range<usize>], step: f64) -> 
     (grounded && !stretches.is_empty()).then_some(stretches)
 }
 
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+/// The middle one of the values; the upper of two.
+pub(super) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)

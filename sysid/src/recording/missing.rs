@@ -5,6 +5,7 @@
 //! row is bridged there, commands held, measured signals by straight lines. A column without any number, and a rate or
 //! angle that is missing in most rows while the other is there, is not used. All of it is told.
 
+use super::airborne::median;
 use super::clock::counted;
 use super::columns::Role;
 use super::options::InputHold;
@@ -83,8 +84,8 @@ fn carry_slower_commands(table: &mut Table, held: bool, notes: &mut Vec<Note>) {
             (0..t.len()).filter(|&row| !signal.values[row].is_nan() && t[row].is_finite()).collect();
         let pairs: Vec<(f64, usize)> =
             known.windows(2).map(|pair| (t[pair[1]] - t[pair[0]], count(pair[0] + 1..pair[1] + 1))).collect();
-        let Some(usual) = middle(pairs.iter().map(|pair| pair.0)) else { continue };
-        let between = middle(pairs.iter().map(|pair| pair.1 as f64)).unwrap_or(0.0);
+        let Some(usual) = median(pairs.iter().map(|pair| pair.0)) else { continue };
+        let between = median(pairs.iter().map(|pair| pair.1 as f64)).unwrap_or(0.0);
         let with_motion = known.iter().filter(|&&row| measured[row]).count();
         if between < SLOWER && 2 * with_motion >= known.len() {
             continue;
@@ -109,12 +110,6 @@ fn carry_slower_commands(table: &mut Table, held: bool, notes: &mut Vec<Note>) {
         );
         notes.push(Note::new(NoteKind::Missing, text));
     }
-}
-
-fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// Whether no row can do without it.

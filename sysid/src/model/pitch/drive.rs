@@ -56,18 +56,18 @@ impl PitchModel<'_> {
             at.t = run.elapsed(k) + i as f64 * at.dt;
             let shift = self.shift(i, run, at);
             at.command = shift.mean(run, k);
-            if let Some(thrust) = &run.beside.thrust {
-                at.thrust = shift.over(thrust, k);
-            }
             *drive = Drive { command: at.command, blades: at.command, ..Drive::default() };
             let ends = self.is_impulsive.then(|| shift.at_ends(run, k));
             if let Some(ends) = ends {
                 drive.left = self.left_after_jump(run, at.command, ends);
                 drive.change = -self.angle(ends[0], own, at);
             }
-            for term in self.driving.iter().filter(|term| !term.collective.is_empty()) {
-                let carried = &mut own[term.collective.clone()];
-                at.thrust = term.effect.actuate(term.values, carried, at.thrust, at);
+            if let Some(thrust) = &run.beside.thrust {
+                at.thrust = shift.over(thrust, k);
+                for term in self.driving.iter().filter(|term| !term.collective.is_empty()) {
+                    let carried = &mut own[term.collective.clone()];
+                    at.thrust = term.effect.actuate(term.values, carried, at.thrust, at);
+                }
             }
             for term in &self.driving {
                 drive.blades = term.effect.actuate(term.values, &mut own[term.own.clone()], drive.blades, at);
@@ -109,6 +109,5 @@ pub(super) fn set_beside(at: &mut Conditions, run: &Run, k: usize) {
         (at.roll_rate, at.yaw_rate) = (rows[k].p, rows[k].r);
     }
     at.roll_command = at_row(&run.beside.roll_command, k);
-    at.thrust = at_row(&run.beside.thrust, k);
     at.voltage = at_row(&run.beside.voltage, k);
 }
