@@ -141,7 +141,7 @@ impl Balance {
 
     /// Writes it into an answer and its model. A vehicle that is out of the model's trim has a constant moment where no other name
     /// accounts for the mean, as one-sided friction would: that is an answer where nothing else could be asked. It is told before
-    /// names that have less evidence.
+    /// names that have less evidence, and before those that may be others.
     pub fn write(&self, answer: &mut Answer, model: &mut ModelFile) {
         if answer.verdict == Verdict::CheckData {
             return;
@@ -170,7 +170,7 @@ impl Balance {
         let effect = self.effect(of_model, dm_du, answer.effects.is_empty());
         model.effects.push(entry(effect.parameters[0].value));
         let told = format!("{held} Missing from the model: {}.", in_a_phrase(&effect));
-        let place = place_among(answer.effects.iter().map(|e| &e.evidence), &effect.evidence);
+        let place = place_among(&answer.effects, &effect);
         answer.summary = match place {
             0 => format!("{told} {}", answer.summary),
             _ => format!("{} {told}", answer.summary),
@@ -245,9 +245,12 @@ impl Balance {
     }
 }
 
-/// Where a term with this evidence is told: after all that have more.
-fn place_among<'e>(others: impl Iterator<Item = &'e Evidence>, own: &Evidence) -> usize {
-    others.take_while(|other| other.log_evidence > own.log_evidence).count()
+/// Where the trim is told: after what has more evidence and is as sure, which nothing is that has rivals.
+fn place_among(others: &[EffectAnswer], own: &EffectAnswer) -> usize {
+    let is_before = |other: &&EffectAnswer| {
+        other.alternatives.is_empty() && other.evidence.log_evidence > own.evidence.log_evidence
+    };
+    others.iter().take_while(is_before).count()
 }
 
 fn entry(moment: f64) -> EffectEntry {
@@ -304,8 +307,10 @@ fn mean_with_error(spans: &[f64]) -> Option<Measured> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::answer::Alternative;
     use super::super::data_checks::fixture::{GAIN, fitted, flight, model};
     use super::*;
+    use crate::model::effect::Locus;
 
     #[test]
     fn what_an_open_loop_loses_of_the_command_is_told() {
@@ -324,11 +329,35 @@ mod tests {
         assert!(of_fit(0.0).is_none());
     }
 
+    fn effect_of(id: &str, log_evidence: f64) -> EffectAnswer {
+        EffectAnswer {
+            id: id.into(),
+            locus: Locus::Actuator,
+            equation: String::new(),
+            parameters: Vec::new(),
+            by_part: BTreeMap::new(),
+            probability: 0.99,
+            share: 0.3,
+            alternatives: Vec::new(),
+            evidence: Evidence { log_evidence, ..Evidence::default() },
+        }
+    }
+
     #[test]
     fn a_trim_is_told_after_what_has_more_evidence() {
-        let evidence = |log_evidence: f64| Evidence { log_evidence, ..Evidence::default() };
-        let place = |own: f64| place_among([50.0, 20.0, 30.0].map(evidence).iter(), &evidence(own));
+        let effect = |log_evidence: f64| effect_of("coulomb_friction", log_evidence);
+        let place = |own: f64| place_among(&[50.0, 20.0, 30.0].map(effect), &effect(own));
         assert_eq!([60.0, 40.0, 20.0, 10.0].map(place), [0, 1, 1, 3]);
+    }
+
+    #[test]
+    fn a_trim_is_told_before_what_may_be_something_else() {
+        let sure = effect_of("quadratic_drag", 50.0);
+        let mut doubtful = effect_of("extra_delay", 40.0);
+        doubtful.alternatives.push(Alternative { id: "servo_lag".into(), probability: 0.3 });
+        let own = effect_of("trim_offset", 10.0);
+        assert_eq!(place_among(&[sure.clone(), doubtful.clone()], &own), 1);
+        assert_eq!(place_among(&[doubtful, sure], &own), 0);
     }
 
     #[test]
