@@ -57,7 +57,6 @@ pub fn diagnose_axes(axes: &[AxisRecordings], progress: &Progress<'_>) -> Result
         };
         if own.is_some() && axis.model.is_none() {
             diagnosis.answer.notes.push(ASSUMED.into());
-            diagnosis.answer.tell_per_inertia();
         }
         diagnosis.answer.tell_of(&axis.name);
         diagnoses.push((axis.name.clone(), diagnosis));

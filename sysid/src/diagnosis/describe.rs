@@ -189,13 +189,14 @@ fn mean_vaf(answer: &Answer, of: &dyn Fn(&HeldOutAnswer) -> &VafAnswer, horizon:
     })
 }
 
-/// VAF on held-out data, before and `after` or one of them: 1 s ahead and of the free run; 0.1 s ahead where gusts leave nothing
-/// beyond that.
-fn figures(answer: &Answer, after: bool) -> String {
+/// VAF on held-out data, before and `after` or one of them: 1 s ahead, where a part is long enough, and of the free run; 0.1 s
+/// ahead where gusts leave nothing beyond that.
+pub fn figures(answer: &Answer, after: bool) -> String {
     let vaf =
         |horizon| [mean_vaf(answer, &|h| &h.baseline, horizon), mean_vaf(answer, &|h| &h.extended, horizon)];
     let vaf = |horizon| vaf(horizon).map(in_percent);
     let ([near, near_after], [before, later]) = (vaf(Some("1.0")), vaf(None));
+    let is_judged = answer.fit.held_out.values().any(|part| part.extended.horizons.contains_key("1.0"));
     let gusts = answer.fit.predicted == Some(Predicted::Near);
     let sections =
         if answer.fit.held_out.len() == 1 { "the section held out" } else { "sections held out in turn" };
@@ -203,13 +204,19 @@ fn figures(answer: &Answer, after: bool) -> String {
         let [short, short_after] = vaf(Some("0.1"));
         let figures = if after { format!("{short} before and {short_after} after") } else { short };
         let past = in_percent(mean(answer, |part| Some(part.past_alone)));
-        format!("VAF on {sections}: 0.1 s ahead {figures}, of the past of the motion alone {past}")
-    } else if after {
-        format!(
-            "VAF on {sections}: 1 s ahead {near} before and {near_after} after, free run {before} and {later}"
-        )
+        let far = if after { near_after } else { near };
+        let far = if is_judged { format!("; 1 s ahead {far}") } else { String::new() };
+        format!("VAF on {sections}: 0.1 s ahead {figures}, of the past of the motion alone {past}{far}")
     } else {
-        format!("VAF on {sections}: 1 s ahead {near}, free run {before}")
+        let ahead = match (is_judged, after) {
+            (true, true) => {
+                format!("1 s ahead {near} before and {near_after} after, free run {before} and {later}")
+            }
+            (true, false) => format!("1 s ahead {near}, free run {before}"),
+            (false, true) => format!("free run {before} before and {later} after"),
+            (false, false) => format!("free run {before}"),
+        };
+        format!("VAF on {sections}: {ahead}")
     }
 }
 

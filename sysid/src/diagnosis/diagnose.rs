@@ -7,7 +7,7 @@ use super::building::build;
 use super::candidates::Candidate;
 use super::component::Component;
 use super::data_checks::{self, DataCheck, Loops};
-use super::describe::predicts;
+use super::describe::{figures, predicts};
 use super::estimates::estimates_of;
 use super::excitation;
 use super::judgement::Judgement;
@@ -15,7 +15,7 @@ use super::left_over::LeftOver;
 use super::levels::PARTS;
 use super::over_time::OverTime;
 use super::parts::parts;
-use super::predicted::{ahead, tells_nothing};
+use super::predicted::{tells_nothing, tells_what_was_under_way};
 use super::selection::select;
 use super::spectra::Spectra;
 use super::step_response::StepResponses;
@@ -108,7 +108,7 @@ pub fn diagnose_knowing(
     let data = Dataset::new(recordings)?;
     let baseline = Baseline { held: held.to_vec(), ..Baseline::new(model, &data)? };
     let mut diagnosis = answered(&Asked { recordings, data: &data, model, catalogue, progress }, &baseline)?;
-    if model.is_none() {
+    if model.is_none_or(ModelFile::is_per_inertia) {
         diagnosis.answer.tell_per_inertia();
     }
     Ok(diagnosis)
@@ -232,18 +232,23 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         return with_checks(unanswered(Verdict::CheckData, String::new(), Some(location)), checks, None);
     }
     let little = closed && !predicts(&found.answer);
-    if found.answer.verdict == Verdict::NoMismatch && (little || tells_nothing(&judgement.rotation)) {
-        let [why, remedy] = match closed {
-            true => [
+    let undriven = !data.input_changes();
+    let adrift = undriven && !tells_what_was_under_way(&judgement.rotation);
+    if found.answer.verdict == Verdict::NoMismatch && (little || adrift || tells_nothing(&judgement.rotation))
+    {
+        let [why, remedy] = if undriven {
+            ["the input never changes, and of parts of them that were held out", "Excite the vehicle"]
+        } else if closed {
+            [
                 "the loop is closed, and",
                 "Move the set-point, or put in a signal of your own behind the controller",
-            ],
-            false => ["of parts of them that were held out", "Use a larger amplitude"],
+            ]
+        } else {
+            ["of parts of them that were held out", "Use a larger amplitude"]
         };
         let reason = format!(
-            "The data cannot tell: {why} the model tells too little (VAF 1 s ahead on sections held out in turn: {:.1} %) for it to say anything that \
-             nothing is missing from it. {remedy}.",
-            ahead(&judgement.rotation)
+            "The data cannot tell: {why} the model tells too little ({}) for it to say anything that nothing is missing from it. {remedy}.",
+            figures(&found.answer, false)
         );
         return with_checks(unanswered(Verdict::NotExcited, reason, None), checks, balance.as_ref());
     }

@@ -27,6 +27,12 @@ pub fn tells_nothing(rotation: &Rotation) -> bool {
     judged && ahead(rotation) < SEEN_AT_ALL && the_inputs_own(rotation) <= 0.0 && free_run < SEEN
 }
 
+/// Whether the answer's model tells half of the parts held out, a second ahead or by its free run. Where the input never changes
+/// that is all that speaks for it: how a motion goes on for the next 0.1 s follows without any model of what drives it.
+pub fn tells_what_was_under_way(rotation: &Rotation) -> bool {
+    ahead(rotation).max(rotation.mean(|part| Some(part.extended.free_run))) >= SEEN
+}
+
 /// VAF held out at the longest horizon, mean over the parts, per cent.
 pub fn ahead(rotation: &Rotation) -> f64 {
     at_the_longest(rotation, |part| &part.extended)
@@ -93,6 +99,17 @@ mod tests {
         assert!(!tells_nothing(70.0, 5.0, 10.0), "a second");
         assert!(!tells_nothing(70.0, 0.0, 60.0), "the free run");
         assert!(!super::tells_nothing(&Rotation::of(Vec::new())), "no part");
+    }
+
+    #[test]
+    fn the_next_tenth_of_a_second_alone_is_no_swing_or_decay() {
+        let tells = |far, free_run| {
+            let mut part = part(1.0, [0.0, 99.0, far]);
+            part.extended.free_run = free_run;
+            tells_what_was_under_way(&Rotation::of(vec![part]))
+        };
+        assert!(tells(60.0, 10.0) && tells(10.0, 60.0));
+        assert!(!tells(40.0, 40.0));
     }
 
     #[test]

@@ -93,6 +93,9 @@ pub const AXES: [&str; 3] = ["roll", "pitch", "yaw"];
 /// The axis that is meant where none is said.
 const USUAL: &str = "pitch";
 
+/// Said of an inertia of 1.
+const UNIT_INERTIA: &str = " # not known, or 1: moments are per unit inertia, N m is rad/s²";
+
 /// What a document is made of.
 const ADVICE: &str =
     "correct the line: KEY = NUMBER, [plant] or [roll], [pitch], [yaw], [[effect]] or [interval.KEY]";
@@ -171,6 +174,11 @@ impl ModelFile {
         Self { plant, effects: Vec::new(), intervals: BTreeMap::new() }
     }
 
+    /// Whether its moments are per unit inertia, rad/s²: the inertia is 1, as it stands where it is not known.
+    pub fn is_per_inertia(&self) -> bool {
+        self.plant.inertia_kg_m2 == 1.0
+    }
+
     /// The file's text; reads back to the same model.
     ///
     /// # Errors
@@ -195,7 +203,7 @@ impl ModelFile {
         Ok(self.with_remarks(&text))
     }
 
-    /// `text` with each effect's remark above its entry.
+    /// `text` with each effect's remark above its entry, and what an inertia of 1 means.
     fn with_remarks(&self, text: &str) -> String {
         let mut remarks = self.effects.iter().map(|effect| effect.remark.as_deref());
         let mut whole = String::new();
@@ -206,6 +214,9 @@ impl ModelFile {
                 whole.push_str(&format!("# {remark}\n"));
             }
             whole.push_str(line);
+            if line == "inertia_kg_m2 = 1.0" {
+                whole.push_str(UNIT_INERTIA);
+            }
             whole.push('\n');
         }
         whole

@@ -167,6 +167,8 @@ pub fn identify_with(
     found.notes.extend(data.notes(recordings));
     if model.is_none() {
         found.notes.push(ASSUMED.into());
+    }
+    if model.is_none_or(ModelFile::is_per_inertia) {
         let matched = found.hinf.iter_mut().flat_map(|hinf| &mut hinf.parameters);
         for parameter in found.parameters.iter_mut().chain(&mut found.parameters_coloured).chain(matched) {
             parameter.unit = per_inertia(&parameter.unit);

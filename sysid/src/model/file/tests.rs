@@ -34,6 +34,10 @@ fn what_is_written_reads_back() {
     let model = parse("m.toml", FULL, None, &table()).unwrap();
     let text = model.to_toml().unwrap();
     assert_eq!(parse("m.toml", &text, None, &table()).unwrap(), model, "{text}");
+    let unknown = ModelFile::unknown();
+    let text = unknown.to_toml().unwrap();
+    assert!(text.contains("inertia_kg_m2 = 1.0 # not known"), "{text}");
+    assert_eq!(parse("m.toml", &text, None, &table()).unwrap(), unknown);
     let mut broken = model;
     broken.plant.dm_dq = Some(f64::NAN);
     assert!(broken.to_toml().is_err());
