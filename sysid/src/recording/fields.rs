@@ -118,7 +118,10 @@ pub(super) fn stamped(line: &str) -> Option<(&str, &str)> {
     blanks.find_map(|(at, _)| {
         let (stamp, rest) = (&line[..at], &line[at + 1..]);
         let is_table = rest.contains([',', ';']) && !sniff::is_between_blanks(rest);
-        (is_table && is_stamp(stamp)).then_some((stamp, rest))
+        // "02:34:56 PM,1,2" is a table whose first column is the time
+        let goes_on =
+            || rest.split([',', ';']).next().is_some_and(|more| is_stamp(&format!("{stamp} {more}")));
+        (is_table && is_stamp(stamp) && !goes_on()).then_some((stamp, rest))
     })
 }
 

@@ -5,10 +5,14 @@ use jiff::{Timestamp, tz::Offset};
 
 /// Seconds in a day.
 const DAY_S: f64 = 86_400.0;
+/// Times of day behind a date.
+const FORMATS: [&str; 2] = ["%H:%M:%S%.f", "%I:%M:%S%.f %p"];
 /// A stamp less than this before midnight, s, and one less than this after it, are of two days.
 const NEAR_S: f64 = 3600.0;
 
-/// Seconds since midnight of a time of day (`12:34:56.789`), or since 1970 of a date with one (ISO 8601, with or without a zone).
+/// Seconds since midnight of a time of day (`12:34:56.789`, `02:34:56 PM`), or since 1970 of a date with one (ISO 8601, with or
+/// without a zone). Of a date as it is written somewhere (`12-May-2023`, `05/12/2023`, `12.05.2023`) the time of day counts alone:
+/// which number is the month is not known.
 pub(super) fn seconds(cell: &str) -> Option<f64> {
     if cell.bytes().filter(|&byte| byte == b':').count() < 2 {
         return None;
@@ -22,8 +26,23 @@ pub(super) fn seconds(cell: &str) -> Option<f64> {
     if let Ok(stamp) = cell.parse::<Timestamp>() {
         return Some(since_1970(stamp));
     }
-    let date = cell.parse::<DateTime>().ok()?;
-    Offset::UTC.to_timestamp(date).ok().map(since_1970)
+    if let Ok(date) = cell.parse::<DateTime>() {
+        return Offset::UTC.to_timestamp(date).ok().map(since_1970);
+    }
+    let time = cell.split_once(' ').filter(|(date, _)| is_a_date(date)).map_or(cell, |(_, time)| time);
+    let time = FORMATS.iter().find_map(|format| Time::strptime(format, time.trim()).ok())?;
+    Some(time.duration_since(Time::midnight()).as_secs_f64())
+}
+
+/// Whether this is day, month and year in some order, with one separator.
+fn is_a_date(text: &str) -> bool {
+    ['/', '.', '-'].iter().any(|&separator| {
+        let parts: Vec<&str> = text.split(separator).collect();
+        let is_number = |part: &&str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+        let numbers = parts.iter().filter(|part| is_number(part)).count();
+        let is_part = |part: &&str| !part.is_empty() && part.chars().all(char::is_alphanumeric);
+        parts.len() == 3 && numbers >= 2 && parts.iter().all(is_part)
+    })
 }
 
 /// Lets times of day go on over midnight.
@@ -52,6 +71,14 @@ mod tests {
         assert_eq!(seconds("1970-01-02 00:00:01"), Some(DAY_S + 1.0));
         assert_eq!(seconds("1970-01-01T01:00:00.25+01:00"), Some(0.25));
         assert_eq!(seconds("1970-01-01T00:00:03Z"), Some(3.0));
+        for afternoon in
+            ["12-May-2023 14:03:09.5", "05/12/2023 02:03:09.5 PM", "12.05.2023 14:03:09.5", "2:03:09.5 PM"]
+        {
+            assert_eq!(seconds(afternoon), Some(14.0 * 3600.0 + 189.5), "{afternoon}");
+        }
+        for other in ["gyro 14:03:09", "1/2 14:03:09", "12.05.2023 14:03:99", "a/b/c 1:00:00"] {
+            assert_eq!(seconds(other), None, "{other}");
+        }
         for other in ["12:34", "1.5", "a:b:c", "", "25:00:00", "0:00:61"] {
             assert_eq!(seconds(other), None, "{other}");
         }
