@@ -29,6 +29,11 @@ pub fn indented(text: &str, first: &str, further: &str) -> String {
     format!("{}\n", textwrap::fill(&whole, options).replace('\u{a0}', " "))
 }
 
+/// What to do next, and the command for it in one piece: a terminal breaks a long line where it can be copied.
+pub fn next(what: &str, command: &str) -> String {
+    format!("  {what}: {command}\n")
+}
+
 /// A paragraph for each line, behind a dash.
 pub fn bullets(lines: &[String]) -> String {
     lines.iter().map(|line| indented(line, "  - ", "    ")).collect()

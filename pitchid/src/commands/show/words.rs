@@ -4,7 +4,7 @@ use super::content::{Shown, ShownAxis, ShownFlight, ShownRecording};
 use crate::format::{fixed, plain, plural};
 use crate::input;
 use crate::logs::excitation::Span;
-use crate::text::{bullets, heading, indented, paragraph, table};
+use crate::text::{bullets, heading, indented, next, paragraph, table};
 
 /// Spans that are listed; the others are counted.
 const MOST_SPANS: usize = 6;
@@ -76,10 +76,8 @@ fn of_axis(axis: &ShownAxis, flight: &ShownFlight) -> String {
             .map(|span| format!(" --time {}..{}", span.time_s[0].floor(), span.time_s[1].ceil()))
             .unwrap_or_default();
         let files = &flight.files;
-        line(&format!(
-            "next, and whether the motion suffices: pitchid diagnose {files} --axis {}{number}{time}",
-            axis.axis
-        ));
+        let command = format!("pitchid diagnose {files} --axis {}{number}{time}", axis.axis);
+        text += &next("next, and whether the motion suffices", &command);
     }
     text
 }
@@ -145,7 +143,7 @@ fn of_recording(recording: &ShownRecording) -> String {
     }
     let axis = recording.axis.as_ref().map_or(String::new(), |axis| format!(" --axis {axis}"));
     let file = input::argument(&recording.name);
-    text += &indented(&format!("next: pitchid diagnose {file}{}{axis}", recording.options), "  ", "    ");
+    text += &next("next", &format!("pitchid diagnose {file}{}{axis}", recording.options));
     let rows = recording.sections.iter().map(|section| {
         let [from, to] = section.time_s;
         vec![section.label.clone(), section.rows.to_string(), fixed(from, 3), fixed(to, 3)]
