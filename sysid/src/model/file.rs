@@ -214,7 +214,7 @@ impl ModelFile {
                 whole.push_str(&format!("# {remark}\n"));
             }
             whole.push_str(line);
-            if line == "inertia_kg_m2 = 1.0" {
+            if self.is_per_inertia() && line.starts_with("inertia_kg_m2") {
                 whole.push_str(UNIT_INERTIA);
             }
             whole.push('\n');

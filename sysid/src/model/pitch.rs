@@ -183,15 +183,14 @@ impl<'a> PitchModel<'a> {
         if !block.amax().is_finite() || block.amax() > 1e4 {
             return None;
         }
-        let terms = acting;
         let (within_sample, driving): (Vec<Placed<'_>>, Vec<Placed<'_>>) =
-            terms.iter().cloned().partition(|term| term.effect.within_sample());
+            acting.iter().cloned().partition(|term| term.effect.within_sample());
         let (rubbing, within_sample): (Vec<Placed<'_>>, Vec<Placed<'_>>) =
             within_sample.into_iter().partition(|term| rubs(term.effect, term.values));
         let at_the_end = Conditions { t: f64::MAX, ..conditions };
-        let delay = plant.delay + later(&terms, &conditions);
-        let delay_moves = later(&terms, &at_the_end) != later(&terms, &conditions);
-        let inertia_changes = inertia_factor(&terms, &at_the_end) != 1.0;
+        let delay = plant.delay + later(&acting, &conditions);
+        let delay_moves = later(&acting, &at_the_end) != later(&acting, &conditions);
+        let inertia_changes = inertia_factor(&acting, &at_the_end) != 1.0;
         let exp = block.exp();
         let transition = exp.fixed_view::<STATES, STATES>(0, 0).into_owned();
         let per_moment = exp.fixed_view::<STATES, 1>(0, STATES).into_owned();
@@ -230,8 +229,8 @@ impl<'a> PitchModel<'a> {
             rubbing,
             following: within_sample.iter().filter(|term| !term.own.is_empty()).cloned().collect(),
             within_sample,
-            has_limit: limited(&terms, BEYOND) != BEYOND,
-            terms,
+            has_limit: limited(&acting, BEYOND) != BEYOND,
+            terms: acting,
             delay,
             delay_moves,
             inertia_changes,

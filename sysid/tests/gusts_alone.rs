@@ -1,4 +1,5 @@
-//! A craft that an attitude controller holds in gusts, nothing put in beside it: what relates rate, angle and input is the controller.
+//! A craft in gusts, nothing put in: held by an attitude controller, which then is what relates rate, angle and input; or held by
+//! nothing, where that a model follows it from row to row is no proof of the model.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -52,5 +53,30 @@ fn nothing_is_named_of_a_craft_that_its_controller_holds() {
             answer.verdict,
             answer.summary
         );
+    }
+}
+
+/// Six seconds of a damped body under gusts that last 0.3 s.
+fn adrift(seed: u64) -> Recording {
+    let step = 0.02_f64;
+    let mut random = Pcg64::seed_from_u64(seed);
+    let (mut rate, mut angle, mut gust) = (0.0, 0.0, 0.0);
+    let mut text = "t_s,u_norm,q_rad_s,theta_rad\n".to_owned();
+    for k in 0..300 {
+        gust += -step * gust / 0.3 + 3.0 * step.sqrt() * normal(&mut random);
+        let before = rate;
+        rate += step * (gust - rate);
+        angle += step * (before + rate) / 2.0;
+        let (q, theta) = (rate + 0.002 * normal(&mut random), angle + 0.001 * normal(&mut random));
+        text += &format!("{:.2},0,{q:.5},{theta:.5}\n", step * f64::from(k));
+    }
+    parse("adrift.csv", text.as_bytes(), &ReadOptions::default()).unwrap()
+}
+
+#[test]
+fn a_body_that_gusts_drive_tells_nothing_where_nothing_is_commanded() {
+    for seed in 1..=5 {
+        let answer = sysid::diagnosis::diagnose(&[adrift(seed)], None, &|_| {}).unwrap().answer;
+        assert_eq!(answer.verdict, Verdict::NotExcited, "{seed}: {}", answer.summary);
     }
 }
