@@ -49,6 +49,7 @@ mod moment_step;
 mod oscillator;
 mod outside;
 mod periodic_moment;
+mod position_drive;
 mod quadratic_drag;
 mod rest_angle;
 mod rotor_reaction;
@@ -131,8 +132,8 @@ pub const CATALOGUE: &[Entry] = &[
 ];
 
 /// Effects of the catalogue that no proof draws: a rest angle shows only beside a spring, and a straight spring is gravity over the
-/// angles of a flight.
-pub const UNDRAWN: &[Entry] = &[rest_angle::ENTRY, linear_stiffness::ENTRY];
+/// angles of a flight; a drive that holds a position is no rotorcraft.
+pub const UNDRAWN: &[Entry] = &[rest_angle::ENTRY, linear_stiffness::ENTRY, position_drive::ENTRY];
 
 /// Physics that no catalogue has.
 pub const OUTSIDE: &[Entry] = &[

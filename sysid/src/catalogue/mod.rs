@@ -33,6 +33,7 @@ pub mod model_file;
 mod moment_step;
 mod over_angle;
 mod periodic_moment;
+mod position_drive;
 mod quadratic_drag;
 pub mod rest_angle;
 pub mod roll_off;
@@ -84,6 +85,7 @@ pub const CATALOGUE: &[&dyn Effect] = &[
     &quadratic_drag::QuadraticDrag,
     &gravity_stiffness::GravityStiffness,
     &linear_stiffness::LinearStiffness,
+    &position_drive::PositionDrive,
     &cubic_stiffness::CubicStiffness,
     &rest_angle::RestAngle,
     &cogging::Cogging,

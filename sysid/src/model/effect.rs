@@ -77,6 +77,8 @@ pub struct Conditions {
     pub small_rate: f64,
     /// The delayed command u_c, mean over the step.
     pub command: f64,
+    /// The moment that the command has the actuators give, ∂M/∂u u_a, mean over the step, N m.
+    pub control: f64,
     /// By how much the blades' angle, u_a before what acts on the thrust, changes over the step; zero where no effect is impulsive.
     pub blades_change: f64,
     /// Command of the roll axis, in its unit; zero where it was not logged.

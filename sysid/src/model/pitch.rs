@@ -343,6 +343,7 @@ impl<'a> PitchModel<'a> {
             for (i, drive) in drives.iter().enumerate() {
                 at.t = run.elapsed(k) + i as f64 * at.dt;
                 at.command = drive.command;
+                at.control = self.plant.dm_du * drive.blades;
                 let mut forced = drive.forced;
                 let mut kicked = None;
                 if self.is_impulsive && drive.change != 0.0 {
@@ -356,7 +357,7 @@ impl<'a> PitchModel<'a> {
                         None => forced += impulse / at.dt,
                     }
                 }
-                self.substep_with_terms(point, self.plant.dm_du * drive.blades, forced, kicked, at);
+                self.substep_with_terms(point, at.control, forced, kicked, at);
             }
         }
         point.roll_rate = at_row(&run.beside.roll_rate, k + 1);
