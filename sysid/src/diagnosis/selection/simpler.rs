@@ -4,6 +4,7 @@
 use super::Search;
 use crate::diagnosis::levels::LONGEST_HORIZON_S;
 use crate::diagnosis::materiality::{closed, says_the_same, vaf_ahead};
+use crate::diagnosis::rotation::all_but_the_same;
 use crate::likelihood::fit::Fit;
 use crate::model::effect::Effect;
 use std::cell::LazyCell;
@@ -22,6 +23,7 @@ impl Search<'_, '_> {
         }
         if place != found {
             self.visit_without(place);
+            self.visit_instead(place, all_but_the_same);
         }
         place
     }
