@@ -13,6 +13,7 @@ use crate::moving_mean::MovingMean;
 use crate::recording::{InputHold, InputUnit, Recording, Section, WHOLE};
 use core::ops::Range;
 pub(crate) use input::has_two_levels;
+use std::borrow::Cow;
 
 /// One stretch of uniformly sampled signals without a gap.
 #[derive(Clone, Debug)]
@@ -44,6 +45,8 @@ pub struct Run {
     pub beside: Beside,
     /// Where the supervisor overrode the excitation.
     pub supervised: Vec<bool>,
+    /// Rows in which nothing was measured; empty where there are none.
+    pub stale: Vec<bool>,
     /// Sections, and the rows of this run that they cover.
     pub sections: Vec<(String, Range<usize>)>,
 }
@@ -56,6 +59,10 @@ impl Run {
     /// Whether the run has no samples.
     pub fn is_empty(&self) -> bool {
         self.u.is_empty()
+    }
+    /// Whether something was measured in row `k`.
+    pub fn is_measured(&self, k: usize) -> bool {
+        self.stale.get(k) != Some(&true)
     }
     /// Time stamp of row `k`, s, by the clock of the file.
     pub fn time(&self, k: usize) -> f64 {
@@ -229,6 +236,7 @@ impl Dataset {
                         voltage: relative(recording.battery.as_deref().map(cut), voltage),
                     },
                     supervised: recording.supervised[segment.clone()].to_vec(),
+                    stale: recording.stale.get(segment.clone()).unwrap_or_default().to_vec(),
                     sections: sections_within(recording, segment, (recordings.len() > 1).then_some(index)),
                 });
             }
@@ -317,10 +325,20 @@ impl Dataset {
         signal.map_or(&[], |y| &y[place.rows.clone()])
     }
 
-    /// Σ (y − ȳ)² of the signal that models are judged by, about its mean in each of `places`.
+    /// Those of `values`, row by row of `place`, where something was measured.
+    pub fn where_measured<'v>(&self, place: &Place, values: &'v [f64]) -> Cow<'v, [f64]> {
+        let run = &self.runs[place.run];
+        if run.stale.is_empty() {
+            return Cow::Borrowed(values);
+        }
+        let rows = place.rows.clone().zip(values);
+        Cow::Owned(rows.filter(|(k, _)| run.is_measured(*k)).map(|(_, value)| *value).collect())
+    }
+
+    /// Σ (y − ȳ)² of the signal that models are judged by, about its mean in each of `places`, where it was measured.
     pub fn motion(&self, places: &[Place]) -> f64 {
         let of = |place: &Place| {
-            let y = self.judged(place);
+            let y = self.where_measured(place, self.judged(place));
             let mean = y.iter().sum::<f64>() / y.len().max(1) as f64;
             y.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>()
         };

@@ -8,6 +8,8 @@ use core::ops::Range;
 const THINNED_STEP: f64 = 0.02;
 /// Samples kept within the time over which the rate's autocorrelation falls to 0.8.
 const SAMPLES_PER_DECORRELATION: usize = 3;
+/// Share of the rows without a measurement beyond which none are averaged.
+const MOST_STALE: f64 = 0.3;
 /// Delay in rows from which on the input between them is taken as it was: of what a controller makes of the motion within a row,
 /// hardly anything then acts in that row.
 const LEADING_ROWS: f64 = 0.75;
@@ -19,7 +21,11 @@ impl Dataset {
     pub(super) fn thin(&mut self) {
         let Some(step) = self.runs.first().map(|run| run.step) else { return };
         let rates: Vec<Vec<f64>> = self.runs.iter().map(Run::rate_or_slope).collect();
-        let most = (THINNED_STEP / step + 1e-6) as usize;
+        // between readings that come once in several rows nothing can be averaged
+        let few_are_new = self.runs.iter().any(|run| {
+            (run.stale.iter().filter(|stale| **stale).count() as f64) > MOST_STALE * run.len() as f64
+        });
+        let most = if few_are_new { 1 } else { (THINNED_STEP / step + 1e-6) as usize };
         let enough = (decorrelation(&rates) / SAMPLES_PER_DECORRELATION).min(most).max(1);
         let rows = self.leave_out_smoothed(enough);
         self.average(enough * rows);
@@ -108,6 +114,11 @@ impl Run {
             supervised: (0..blocks)
                 .map(|b| self.supervised[b * factor..(b + 1) * factor].contains(&true))
                 .collect(),
+            stale: if self.stale.contains(&true) {
+                self.stale.chunks_exact(factor).take(blocks).map(|rows| !rows.contains(&false)).collect()
+            } else {
+                Vec::new()
+            },
             sections: self
                 .sections
                 .iter()

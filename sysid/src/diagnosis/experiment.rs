@@ -113,6 +113,7 @@ fn fly(
         rate_limit: f64::INFINITY,
         beside: Default::default(),
         supervised: vec![false; count],
+        stale: Vec::new(),
         sections: Vec::new(),
         u: excitation,
         between: None,

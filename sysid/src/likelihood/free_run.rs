@@ -55,7 +55,11 @@ pub fn free_run(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) ->
 /// Free-run VAF of each of `places`, per cent; zero where the simulation diverges.
 pub fn vaf_by_place(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) -> Vec<f64> {
     let Some(simulated) = free_run(problem, unpacked, places) else { return vec![0.0; places.len()] };
-    places.iter().zip(&simulated).map(|(place, s)| vaf(problem.data.judged(place), s)).collect()
+    let measured = |place: &Place, values: &[f64]| problem.data.where_measured(place, values).into_owned();
+    let of_place = |(place, s): (&Place, &Vec<f64>)| {
+        vaf(&measured(place, problem.data.judged(place)), &measured(place, s))
+    };
+    places.iter().zip(&simulated).map(of_place).collect()
 }
 
 /// Free-run VAF over `places` together, errors and signals each about its mean in a place, per cent; zero where the
@@ -66,7 +70,8 @@ pub fn vaf_over(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) ->
     for (place, s) in places.iter().zip(&simulated) {
         let y = problem.data.judged(place);
         let errors: Vec<f64> = y.iter().zip(s).map(|(y, s)| y - s).collect();
-        left += y.len() as f64 * variance(&errors);
+        let errors = problem.data.where_measured(place, &errors);
+        left += errors.len() as f64 * variance(&errors);
     }
     let whole = problem.data.motion(places);
     if whole > 0.0 { 100.0 * (1.0 - left / whole).max(0.0) } else { 0.0 }
@@ -98,9 +103,10 @@ pub fn output_errors<'p>(
         for (place, s) in places.iter().zip(&simulated) {
             let measured = problem.data.judged(place);
             let channel = judged_channel(problem, s);
-            let mean =
-                measured.iter().zip(&channel).map(|(y, s)| y - s).sum::<f64>() / channel.len().max(1) as f64;
-            errors.extend(measured.iter().zip(&channel).map(|(y, s)| [y - s - mean, 0.0]));
+            let own: Vec<f64> = measured.iter().zip(&channel).map(|(y, s)| y - s).collect();
+            let own = problem.data.where_measured(place, &own);
+            let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
+            errors.extend(own.iter().map(|error| [error - mean, 0.0]));
         }
         Some(errors)
     })

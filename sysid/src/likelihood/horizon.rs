@@ -94,6 +94,9 @@ fn sums_by_block(
                 }
                 row += 1;
             }
+            if !run.is_measured(end) {
+                continue;
+            }
             let y = measured[end - places[place].rows.start];
             let error = y - judged_channel(problem, &[model.output(&point)])[0];
             let add = [error * error, (y - mean) * (y - mean)];

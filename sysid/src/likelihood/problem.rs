@@ -79,7 +79,7 @@ const LEAST_DAMPING: f64 = 0.2;
 const MOUNT_DAMPING_PRIOR: f64 = 0.7;
 
 impl<'a> Problem<'a> {
-    /// Counts all rows but those of the places in `held_out`, and the first second of every run; of one that begins at rest, what comes
+    /// Counts all rows in which something was measured but those of the places in `held_out`, and the first second of every run; of one that begins at rest, what comes
     /// before its input first moves.
     pub fn new(data: &'a Dataset, baseline: &'a Baseline, held_out: &[Place]) -> Self {
         let sizes = data.amplitudes(baseline.plant.inertia, baseline.plant.dm_du);
@@ -88,7 +88,7 @@ impl<'a> Problem<'a> {
             .iter()
             .map(|run| {
                 let first = first_counted(run, &sizes);
-                (0..run.len()).map(|k| k >= first).collect()
+                (0..run.len()).map(|k| k >= first && run.is_measured(k)).collect()
             })
             .collect();
         for place in held_out {

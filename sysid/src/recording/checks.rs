@@ -1,4 +1,4 @@
-//! What looks wrong in the data: clipping, units, signs, repeated and constant signals. Nothing is changed here.
+//! What looks wrong in the data: clipping, units, signs and constant signals. Nothing is changed here.
 
 use super::clock::{Grid, counted};
 use super::columns::{InputUnit, Role};
@@ -25,8 +25,6 @@ const DEGREES: f64 = 180.0 / PI;
 const FAR_BEYOND: f64 = 30.0;
 /// Share of the rows that are a few.
 const FEW: f64 = 0.01;
-/// Share of exact repetitions that is worth a word.
-const REPEATED: f64 = 0.02;
 
 /// Adds the notes on the signals of a table that is on its grid; the angle is known to be in radians where it was written `in_turns`.
 pub(super) fn inspect(table: &Table, grid: &Grid, in_turns: bool, notes: &mut Vec<Note>) {
@@ -47,7 +45,6 @@ pub(super) fn inspect(table: &Table, grid: &Grid, in_turns: bool, notes: &mut Ve
             continue;
         }
         check_clipping(table, output, notes);
-        check_repeats(output, grid, notes);
     }
     let told = match (q, theta) {
         (Some(q), Some(theta)) => compare_rate_with_angle(q, theta, grid, notes),
@@ -159,39 +156,6 @@ fn check_clipping(table: &Table, signal: &Signal, notes: &mut Vec<Note>) {
             notes.push(Note::over(NoteKind::Clipped, from, to, text));
         }
     }
-}
-
-/// Exact repetitions that the resolution of the numbers does not explain: a rounded signal shows about twice as many
-/// smallest changes as repetitions.
-fn check_repeats(signal: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
-    let (low, high) = extremes(&signal.values);
-    let steps = grid.segments.iter().flat_map(|rows| signal.values[rows.clone()].windows(2));
-    // A signal at its extreme may clip, which is another finding.
-    let inside = steps.filter(|pair| pair[0] > low && pair[0] < high);
-    let changes: Vec<f64> = inside.map(|pair| (pair[1] - pair[0]).abs()).collect();
-    let repeats = changes.iter().filter(|&&d| d == 0.0).count();
-    let share = repeats as f64 / changes.len().max(1) as f64;
-    let smallest = changes.iter().copied().filter(|&d| d > 0.0).fold(f64::INFINITY, f64::min);
-    let small = changes.iter().filter(|&&d| d > 0.0 && d <= 1.5 * smallest).count();
-    if share < REPEATED || 2 * small > repeats {
-        return;
-    }
-    let text = if share >= 0.5 {
-        let runs = signal.values.chunk_by(|a, b| a == b).count();
-        let every = signal.values.len() as f64 / runs as f64;
-        format!(
-            "{} changes only every {every:.1} samples: it is measured more slowly than it is logged, and up to {:.4} s late",
-            column(signal),
-            grid.step * (every - 1.0)
-        )
-    } else {
-        format!(
-            "{:.1} % of the samples of {} repeat the one before exactly: no new measurement had arrived",
-            100.0 * share,
-            column(signal)
-        )
-    };
-    notes.push(Note::new(NoteKind::Repeated, text));
 }
 
 /// Δθ against ∫q dt over windows of `COMPARED_OVER`: slope 1 is right, 57.3 or 1/57.3 a unit, negative a sign.

@@ -8,17 +8,20 @@
 
 use std::ops::Range;
 
+use super::columns::Role;
 use super::even_rows::{EvenRows, even_rows};
 use super::options::{InputHold, ReadOptions};
-use super::same_stamps;
 use super::table::Table;
 use super::{Note, NoteKind};
+use super::{same_stamps, stale};
 use crate::error::{Error, ErrorKind};
 
 /// A difference beyond this many steps is a gap; up to two missing samples are filled.
 const GAP: f64 = 3.5;
 /// A difference beyond this many steps has a row missing in it.
 const MISSING: f64 = 1.5;
+/// Steps from a stamp within which a value beside a missing row is still measured.
+const NEAR: f64 = 0.25;
 /// Rows over which bursts of stamps even out.
 const BURSTS: usize = 8;
 /// Jitter, in steps, that is snapped to the grid; more is resampled.
@@ -89,6 +92,7 @@ pub(super) fn onto_grid(
     } else {
         snap(&mut table.t, &stretches, step, jitter, notes);
     }
+    table.stale = stale::rows(table, step, notes);
     let segments = resample(table, &stretches, step, varying, options.input_hold, notes);
     Ok(Grid { step, segments })
 }
@@ -294,6 +298,8 @@ struct Point {
     /// The row whose held values it has: the nearer one, unless rows are missing between the two. The one before would be late by
     /// a share of the step that wanders with the stamps, as no loop's delay does.
     held: usize,
+    /// The row by which the outputs were measured there; `None` where none was: a row is missing, or nothing new had come.
+    measured: Option<usize>,
 }
 
 /// Lays the grid over every stretch and moves the table onto it; returns the stretches' new rows.
@@ -325,7 +331,9 @@ fn resample(
             }
             let point = place(t, at, time, step);
             let [row, held] = [point.row, point.held].map(|row| rows.start + row);
-            points.push(Point { row, held, ..point });
+            let measured = point.measured.map(|row| rows.start + row);
+            let measured = measured.filter(|&row| table.stale.get(row) != Some(&true));
+            points.push(Point { row, held, measured, ..point });
             times.push(time);
         }
         filled += count.saturating_sub(rows.len());
@@ -340,7 +348,7 @@ fn resample(
 }
 
 fn place(t: &[f64], at: usize, time: f64, step: f64) -> Point {
-    let on = |row: usize| Point { row, part: 0.0, held: row };
+    let on = |row: usize| Point { row, part: 0.0, held: row, measured: Some(row) };
     let Some(next) = t.get(at + 1) else { return on(at) };
     let near = 1e-3 * step;
     if (time - next).abs() <= near {
@@ -351,17 +359,30 @@ fn place(t: &[f64], at: usize, time: f64, step: f64) -> Point {
     }
     let part = ((time - t[at]) / (next - t[at])).clamp(0.0, 1.0);
     let is_missing = next - t[at] > MISSING * step;
-    Point { row: at, part, held: if part > 0.5 && !is_missing { at + 1 } else { at } }
+    let nearer = if part > 0.5 { at + 1 } else { at };
+    let is_measured = !is_missing || (time - t[nearer]).abs() <= NEAR * step;
+    Point {
+        row: at,
+        part,
+        held: if is_missing { at } else { nearer },
+        measured: is_measured.then_some(nearer),
+    }
 }
 
 fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHold) {
+    let is_stale = |row: usize| table.stale.get(row) == Some(&true);
     for signal in &mut table.signals {
         let old = &signal.values;
         let held = signal.source.role.is_held()
             && !(signal.source.role.is_command() && hold == InputHold::Interpolated);
+        let is_output = matches!(signal.source.role, Role::Q | Role::Theta);
         let on_grid = |point: &Point| {
             if held {
                 return old[point.held];
+            }
+            // what stands between an old reading and a new one was never measured
+            if is_output && (is_stale(point.row) || is_stale(point.row + 1)) {
+                return old[point.measured.unwrap_or(point.row)];
             }
             let value = old[point.row];
             match old.get(point.row + 1) {
@@ -371,6 +392,8 @@ fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHo
         };
         signal.values = points.iter().map(on_grid).collect();
     }
+    let stale: Vec<bool> = points.iter().map(|point| point.measured.is_none()).collect();
+    table.stale = if stale.contains(&true) { stale } else { Vec::new() };
     let rows = || points.iter().map(|point| point.row);
     if !table.labels.is_empty() {
         table.labels = rows().map(|row| table.labels[row]).collect();

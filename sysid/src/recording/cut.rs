@@ -30,6 +30,9 @@ impl Recording {
         self.sections = self.sections.iter().filter_map(section).collect();
         self.segments = segments;
         self.supervised = self.supervised[rows.clone()].to_vec();
+        if !self.stale.is_empty() {
+            self.stale = self.stale[rows.clone()].to_vec();
+        }
         let signals = [
             &mut self.q,
             &mut self.theta,

@@ -30,6 +30,7 @@ pub(crate) mod rate_and_angle;
 mod same_stamps;
 mod sections;
 mod sniff;
+mod stale;
 mod stray_stamps;
 mod summed_angle;
 mod table;
@@ -85,6 +86,9 @@ pub struct Recording {
     pub battery: Option<Vec<f64>>,
     /// Where the supervisor overrode the excitation; all false without the column.
     pub supervised: Vec<bool>,
+    /// Rows in which nothing was measured: a missing one that was filled, or one that repeats the last reading of a slower sensor.
+    /// Empty where there are none.
+    pub stale: Vec<bool>,
     /// Named stretches in order of time, each inside one segment; rows labelled `-` belong to none.
     pub sections: Vec<Section>,
     /// Stretches without a gap: they cover all rows but those on the ground.
@@ -280,6 +284,7 @@ fn on_grid(
         thrust: take(Role::Thrust),
         battery: take(Role::Battery),
         supervised: if table.supervised.is_empty() { vec![false; table.t.len()] } else { table.supervised },
+        stale: table.stale,
         t: table.t,
         sections,
         segments: grid.segments,

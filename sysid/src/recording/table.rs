@@ -36,6 +36,8 @@ pub(super) struct Table {
     pub(super) label_names: Vec<String>,
     /// Empty without a `supervised` column.
     pub(super) supervised: Vec<bool>,
+    /// Rows in which no output is new; empty where all are.
+    pub(super) stale: Vec<bool>,
     /// Line of the file of each row; empty where the rows come from no file of lines.
     pub(super) lines: Vec<u32>,
 }
@@ -49,6 +51,7 @@ impl Default for Table {
             labels: Vec::new(),
             label_names: Vec::new(),
             supervised: Vec::new(),
+            stale: Vec::new(),
             lines: Vec::new(),
         }
     }

@@ -66,6 +66,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         rate_limit: f64::INFINITY,
         beside: Default::default(),
         supervised: Vec::new(),
+        stale: Vec::new(),
         sections: Vec::new(),
     };
     let model = PitchModel::new(&PLANT, &[], &BACKGROUND, STEP, &sizes).unwrap();

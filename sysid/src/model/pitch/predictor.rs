@@ -76,7 +76,7 @@ impl PitchModel<'_> {
         steady_gain(&over_sample, &process, &channels)
     }
 
-    /// Innovations e = y − ŷ of the predictor with `gains` over the first `rows` of `run`; channels without a measurement
+    /// Innovations e = y − ŷ of the predictor with `gains` over the first `rows` of `run`; channels and rows without a measurement
     /// give zero. `visit` sees the corrected state of every row.
     pub fn innovations(
         &self,
@@ -122,7 +122,7 @@ impl PitchModel<'_> {
             let mut e = [0.0; 2];
             let mut column = 0;
             for (channel, signal) in [&run.rate, &run.angle].into_iter().enumerate() {
-                if let Some(signal) = signal {
+                if let Some(signal) = signal.as_ref().filter(|_| run.is_measured(k)) {
                     e[channel] = signal[k] - expected[channel];
                     point.x += gain[column] * e[channel];
                     column += 1;
