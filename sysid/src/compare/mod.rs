@@ -16,7 +16,7 @@ pub mod statistics;
 
 use crate::dataset::Dataset;
 use crate::error::Error;
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, per_inertia};
 use crate::model::baseline::ASSUMED;
 use crate::model::file::ModelFile;
 use crate::progress::Progress;
@@ -133,10 +133,10 @@ pub fn compare(
         found.push(Side::new(recordings, model, friction, &mut noticed)?);
         notes.extend(noticed.into_iter().map(|note| format!("{name}: {note}")));
     }
-    let inertia_known = model.is_some();
-    if !inertia_known {
+    if model.is_none() {
         notes.push(ASSUMED.into());
     }
+    let inertia_known = model.is_some_and(|model| !model.is_per_inertia());
     let [before, after] = [&found[0], &found[1]];
     let turned = before.gain().value * after.gain().value < 0.0;
     let unseen: Vec<&str> =
@@ -185,9 +185,18 @@ pub fn compare(
     Ok(Comparison {
         schema: "pitchid.comparison/1",
         changes: changes.collect(),
-        parameters: [before.parameters.clone(), after.parameters.clone()],
+        parameters: [before, after].map(|side| of_side(side, inertia_known)),
         seconds: [before.seconds, after.seconds],
         inertia_known,
         notes,
     })
+}
+
+/// What was estimated of one side, moments per unit inertia where that is not known.
+fn of_side(side: &Side, inertia_known: bool) -> Vec<Estimate> {
+    let told = |parameter: &Estimate| match inertia_known {
+        true => parameter.clone(),
+        false => Estimate { unit: per_inertia(&parameter.unit), ..parameter.clone() },
+    };
+    side.parameters.iter().map(told).collect()
 }

@@ -102,7 +102,7 @@ impl<'p, 'd> Judgement<'p, 'd> {
         };
         let Told { place, named, immaterial, shapes, rotation } = loop {
             let told = told(problem, &selection, place, parts, &closed_near, progress);
-            match told.unfounded(problem, &selection) {
+            match told.unfounded(problem, &selection).or_else(|| told.likelier()) {
                 Some(without) => place = without,
                 None => break told,
             }
@@ -325,6 +325,16 @@ impl Told {
                 && finding.without.is_some_and(|rest| is_another_gain(problem, fit(self.place), fit(rest)))
         };
         self.named.iter().skip(1).rev().find(never)?.without
+    }
+
+    /// The model of a rival that is likelier than a name which it holds as its special case.
+    fn likelier(&self) -> Option<usize> {
+        let likelier = |finding: &Finding| {
+            let (rival, probability, place) = finding.rivals.first()?;
+            let general = rival.generalises(finding.effect) && *probability > finding.probability;
+            general.then_some(*place)
+        };
+        self.named.iter().find_map(likelier)
     }
 }
 

@@ -103,10 +103,11 @@ impl InputUnit {
         }
     }
 
-    /// `unit`, that of a size of the command where it is in rad.
+    /// `unit`, that of a size of the command where it is in rad; a moment per angle is no such size.
     pub(crate) fn in_place_of_rad(self, unit: &str) -> String {
         match (self, unit) {
             (Self::Normalised, "1/rad") => "1".into(),
+            (_, "N m/rad") => unit.into(),
             _ => unit.replace("rad", self.symbol()),
         }
     }
@@ -247,10 +248,10 @@ mod tests {
 
     #[test]
     fn what_is_of_the_command_is_in_its_unit() {
-        let units = ["rad", "rad/s", "1/rad", "s"];
+        let units = ["rad", "rad/s", "1/rad", "s", "N m/rad"];
         let of = |input: InputUnit| units.map(|unit| input.in_place_of_rad(unit));
         assert_eq!(of(InputUnit::Rad), units.map(String::from));
-        assert_eq!(of(InputUnit::Volt), ["V", "V/s", "1/V", "s"].map(String::from));
-        assert_eq!(of(InputUnit::Normalised), ["1", "1/s", "1", "s"].map(String::from));
+        assert_eq!(of(InputUnit::Volt), ["V", "V/s", "1/V", "s", "N m/rad"].map(String::from));
+        assert_eq!(of(InputUnit::Normalised), ["1", "1/s", "1", "s", "N m/rad"].map(String::from));
     }
 }
