@@ -64,6 +64,11 @@ impl Run {
     pub fn is_measured(&self, k: usize) -> bool {
         self.stale.get(k) != Some(&true)
     }
+    /// Rows in which something was measured once, in the mean.
+    pub fn measured_every(&self) -> usize {
+        let stale = self.stale.iter().filter(|stale| **stale).count();
+        (self.len() as f64 / (self.len() - stale).max(1) as f64).round() as usize
+    }
     /// Time stamp of row `k`, s, by the clock of the file.
     pub fn time(&self, k: usize) -> f64 {
         self.start + k as f64 * self.step

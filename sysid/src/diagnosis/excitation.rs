@@ -80,7 +80,8 @@ pub fn input_unseen(problem: &Problem<'_>, baseline: &Fit, information: &Informa
     let places = problem.data.places();
     let reached = places.iter().filter_map(|place| {
         let run = &problem.data.runs[place.run];
-        let taps = ((FIR_MEMORY_S / run.step) as usize).min(place.rows.len() / 10).clamp(1, 60);
+        let readings = place.rows.len() / run.measured_every();
+        let taps = ((FIR_MEMORY_S / run.step) as usize).min(readings / 10).clamp(1, 60);
         ceiling_vaf(&run.u[place.rows.clone()], problem.data.judged(place), taps).ok()
     });
     if reached.fold(0.0, f64::max) > EXPLAINED_BY_ANY {

@@ -18,6 +18,8 @@ const APART_S: f64 = 0.04;
 const FAR_LAGS: usize = 12;
 /// Lags of neighbouring rows.
 const NEAR_LAGS: usize = 3;
+/// Rows for each regressor with fewer than which there are no far lags.
+const FEWEST_PER_COLUMN: usize = 3;
 /// Predictions start this far apart, s.
 const STRIDE_S: f64 = 0.02;
 
@@ -29,10 +31,16 @@ pub fn vaf_of_the_past_alone(
     judged_on: &[Place],
     horizon: f64,
 ) -> f64 {
-    let mut fitted = fitted_on.iter().flat_map(|place| pairs(problem, place, horizon)).peekable();
-    let columns = fitted.peek().map_or(0, |(x, _)| x.len());
-    let Some(weights) = least_squares(columns, fitted) else { return 0.0 };
-    let judged = judged_on.iter().flat_map(|place| pairs(problem, place, horizon));
+    let of = |places: &[Place], far: usize| -> Vec<(DVector<f64>, f64)> {
+        places.iter().flat_map(|place| pairs(problem, place, horizon, far)).collect()
+    };
+    let columns = |all: &[(DVector<f64>, f64)]| all.first().map_or(0, |(x, _)| x.len());
+    let (mut far, mut fitted) = (FAR_LAGS, of(fitted_on, FAR_LAGS));
+    if fitted.len() < FEWEST_PER_COLUMN * columns(&fitted) || fitted.is_empty() {
+        (far, fitted) = (0, of(fitted_on, 0));
+    }
+    let Some(weights) = least_squares(columns(&fitted), fitted.into_iter()) else { return 0.0 };
+    let judged = of(judged_on, far).into_iter();
     let asked: Vec<[f64; 2]> = judged.map(|(x, y)| [y, y - weights.dot(&x)]).collect();
     let mean = asked.iter().map(|[y, _]| y).sum::<f64>() / asked.len().max(1) as f64;
     let left: f64 = asked.iter().map(|[_, error]| error * error).sum();
@@ -40,23 +48,31 @@ pub fn vaf_of_the_past_alone(
     if total > 0.0 { 100.0 * (1.0 - left / total).max(0.0) } else { 0.0 }
 }
 
-/// Regressors and what they predict, all over `place`.
+/// Regressors with so many `far` lags and what they predict, all over `place`, from one reading to another.
 fn pairs<'d>(
     problem: &'d Problem<'_>,
     place: &Place,
     horizon: f64,
+    far: usize,
 ) -> impl Iterator<Item = (DVector<f64>, f64)> + 'd {
     let run = &problem.data.runs[place.run];
     let rows = |seconds: f64| (seconds / run.step).round().max(1.0) as usize;
-    let (ahead, apart, stride) = (rows(horizon), rows(APART_S), rows(STRIDE_S));
-    let lags: Vec<usize> = (0..=NEAR_LAGS).chain((1..=FAR_LAGS).map(|i| i * apart)).collect();
+    let every = run.measured_every();
+    let (ahead, apart, stride) = (rows(horizon), rows(APART_S).max(every), rows(STRIDE_S));
+    let near = (0..=NEAR_LAGS).map(|i| i * every);
+    let lags: Vec<usize> = near.chain((1..=far).map(|i| i * apart)).collect();
     let y = problem.data.judged(place);
     let other = run.rate.as_ref().and(run.angle.as_ref()).map(|angle| &angle[place.rows.clone()]);
-    let first = NEAR_LAGS.max(FAR_LAGS * apart);
-    (first..y.len().saturating_sub(ahead)).step_by(stride).map(move |k| {
+    let first = (NEAR_LAGS * every).max(far * apart);
+    let from = place.rows.start;
+    let rows = (first..y.len().saturating_sub(ahead)).step_by(if every > 1 { 1 } else { stride });
+    let last = y.len();
+    rows.filter_map(move |k| {
+        // from one reading to the next one after the horizon
+        let then = (k + ahead..last).find(|then| run.is_measured(from + then))?;
         let of = |signal: &'d [f64]| lags.iter().map(move |lag| signal[k - lag]).collect::<Vec<f64>>();
         let known = [vec![1.0], of(y), other.map_or_else(Vec::new, of)].concat();
-        (DVector::from_vec(known), y[k + ahead])
+        run.is_measured(from + k).then(|| (DVector::from_vec(known), y[then]))
     })
 }
 

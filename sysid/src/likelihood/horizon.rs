@@ -19,7 +19,7 @@ const STRIDE_S: f64 = 0.1;
 /// VAF of a prediction, per cent, with its standard error over blocks.
 pub type Vaf = (f64, f64);
 
-/// VAF at each of `horizons` (s, ascending) over `places` together, `None` where they are too short for any prediction so far
+/// VAF at each of `horizons` (s, ascending; to the next reading where none was taken there) over `places` together, `None` where they are too short for any prediction so far
 /// ahead. `None` for all where the predictor diverges.
 pub fn horizon_vaf(
     problem: &Problem<'_>,
@@ -61,9 +61,12 @@ fn sums_by_block(
     horizons: &[f64],
 ) -> Option<Vec<Vec<Block>>> {
     let mut starts: Vec<(usize, usize, Point)> = Vec::new();
+    let mut awaited = false;
     let visit = |run: usize, k: usize, point: &Point| {
         let stride = (STRIDE_S / problem.data.runs[run].step).round().max(1.0) as usize;
-        if k.is_multiple_of(stride)
+        // where nothing was measured in the row of a start, the next reading is one
+        awaited = k.is_multiple_of(stride) || awaited && !problem.data.runs[run].is_measured(k - 1);
+        if awaited
             && problem.counted[run][k]
             && let Some(place) = places.iter().position(|p| p.run == run && p.rows.contains(&k))
         {
@@ -85,17 +88,13 @@ fn sums_by_block(
         let mut row = start;
         for (horizon, sums) in horizons.iter().zip(&mut sums) {
             let end = start + (horizon / run.step).round().max(1.0) as usize;
-            if end >= places[place].rows.end {
-                break;
-            }
+            let measured_from = (end..places[place].rows.end).find(|&k| run.is_measured(k));
+            let Some(end) = measured_from else { break };
             while row < end {
                 if !model.advance(&mut point, run, row) {
                     return None;
                 }
                 row += 1;
-            }
-            if !run.is_measured(end) {
-                continue;
             }
             let y = measured[end - places[place].rows.start];
             let error = y - judged_channel(problem, &[model.output(&point)])[0];

@@ -73,7 +73,13 @@ impl PitchModel<'_> {
                 }
             }
         }
-        steady_gain(&over_sample, &process, &channels)
+        // one reading in several rows is taken for one in so many rows each
+        let (mut between, mut gathered) = (over_sample, process);
+        for _ in 1..run.measured_every() {
+            gathered = over_sample * gathered * over_sample.transpose() + process;
+            between = over_sample * between;
+        }
+        steady_gain(&between, &gathered, &channels)
     }
 
     /// Innovations e = y − ŷ of the predictor with `gains` over the first `rows` of `run`; channels and rows without a measurement
