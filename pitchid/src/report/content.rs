@@ -197,6 +197,9 @@ pub fn headline(answer: &Answer) -> String {
         Verdict::NoMismatch => "Nothing is missing that these data would show".into(),
         Verdict::NotExcited => "These data cannot tell".into(),
         Verdict::CheckData => "The data are to be put right first".into(),
+        Verdict::Unlisted if answer.tells_a_name() => {
+            "Something is missing, and no name for it is sure".into()
+        }
         Verdict::Unlisted => "Something is missing that the catalogue does not list".into(),
         Verdict::Named if answer.disturbance_alone() => {
             format!("What answers to the input is all in the model; {}", sentences.join("; and "))

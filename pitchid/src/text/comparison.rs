@@ -174,7 +174,7 @@ fn summary(axis: Option<Axis>, comparison: &Comparison) -> String {
     }
     let open: Vec<&str> = comparison.with(Verdict::CannotTell).map(|change| word(change.quantity)).collect();
     if !open.is_empty() {
-        parts.push(format!("{}: these data cannot tell, the input moves too little", open.join(", ")));
+        parts.push(format!("{}: these data cannot tell: the input moves too little, or more acts than the model has (--model gives another)", open.join(", ")));
     }
     parts.join("; ") + "."
 }

@@ -144,7 +144,7 @@ pub fn compare(
     if !unseen.is_empty() {
         notes.push(format!(
             "{}: the interval of dM/du holds zero: what does not answer to the input has no effectiveness, damping, lag or delay to \
-             compare; excite the axis in flight",
+             compare; excite the axis, or give with --model what moves it beside the input, as diagnose --out-model writes it",
             unseen.join(" and ")
         ));
     }

@@ -18,6 +18,7 @@
 use super::Quantity;
 use super::parts::{Response, responses};
 use super::statistics::Measured;
+use crate::catalogue::extra_delay::ExtraDelay;
 use crate::dataset::{Dataset, Place, Run, pieces};
 use crate::error::Error;
 use crate::estimate::Estimate;
@@ -28,6 +29,7 @@ use crate::likelihood::problem::Problem;
 use crate::model::baseline::Baseline;
 use crate::model::effect::Effect;
 use crate::model::file::ModelFile;
+use crate::model::pitch::Term;
 use crate::recording::{InputUnit, Recording};
 
 /// Spans of the jackknife: as many as are this long, s, twice the blocks, within these bounds.
@@ -77,7 +79,11 @@ pub fn posed(recordings: &[Recording], model: Option<&ModelFile>) -> Result<(Dat
     let count = data.samples().max(1) as f64;
     let mean = data.runs.iter().flat_map(|run| &run.u).sum::<f64>() / count;
     data.runs.iter_mut().for_each(|run| run.lower_input(mean));
-    let baseline = Baseline { delay_free: true, ..Baseline::new(model, &data)? };
+    let mut baseline = Baseline { delay_free: true, ..Baseline::new(model, &data)? };
+    // the delay is asked again, and the model's further one is part of it
+    let further = |term: &mut Term| term.effect.about().id == ExtraDelay.about().id;
+    let further: f64 = baseline.terms.extract_if(.., further).map(|term| term.values[0]).sum();
+    baseline.plant.delay += further;
     Ok((data, baseline, mean))
 }
 

@@ -160,7 +160,9 @@ pub fn judge(pairs: &[([Measured; 2], f64)]) -> Vec<Difference> {
             Verdict::CannotTell
         };
         let z = z.copysign(difference.value);
-        Difference { verdict, z, p_value: adjusted[place], probability, would_be_seen: Some(seen) }
+        let negligible = NEGLIGIBLE * pairs[i].1 + (difference.quantile(0.05) + power) * difference.deviation;
+        let would_be_seen = Some(seen.max(negligible));
+        Difference { verdict, z, p_value: adjusted[place], probability, would_be_seen }
     };
     (0..pairs.len()).map(told).collect()
 }

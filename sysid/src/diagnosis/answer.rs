@@ -2,6 +2,7 @@
 
 use super::data_checks::DataCheck;
 use super::questions::Question;
+use crate::catalogue::find;
 use crate::estimate::Estimate;
 use crate::model::effect::Locus;
 use serde::Serialize;
@@ -66,6 +67,12 @@ impl Answer {
         self.verdict == Verdict::Named
             && !self.effects.is_empty()
             && self.effects.iter().all(|effect| effect.locus == Locus::Environment)
+    }
+
+    /// Whether an effect of the catalogue is among what it tells, be it as left.
+    #[must_use]
+    pub fn tells_a_name(&self) -> bool {
+        self.fit.chosen_in.keys().any(|id| find(id).is_some())
     }
 
     /// The model whose values are told: the extended one where a term is.

@@ -19,6 +19,10 @@ const LARGEST_BLADE_PITCH: f64 = 1.6;
 const COMPARED_OVER: f64 = 0.2;
 /// Correlation of ∫q dt with Δθ from which unit and sign are judged.
 const CORRELATED: f64 = 0.7;
+/// A normalised command beyond this is in another unit.
+const BEYOND_FULL: f64 = 2.0;
+/// A servo's pulses, µs.
+const PULSES_US: Range<f64> = 700.0..2300.0;
 /// Degrees per radian.
 const DEGREES: f64 = 180.0 / PI;
 /// How far beyond all others a few commands are no commands, but what a logger writes for nothing, or a lost decimal point.
@@ -84,7 +88,27 @@ fn check_input(input: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
         notes.push(Note::new(NoteKind::DeadInput, text));
     } else if input.source.role == Role::Input(InputUnit::Rad) {
         check_size(Some(input), grid, LARGEST_BLADE_PITCH, "rad", notes);
+    } else if input.source.role == Role::Input(InputUnit::Normalised) {
+        check_full_command(input, grid, notes);
     }
+}
+
+/// A command of which 1 is all there is, and that is far more.
+fn check_full_command(input: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
+    let used = || grid.segments.iter().flat_map(|rows| &input.values[rows.clone()]).copied();
+    let (low, high) =
+        used().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| (low.min(u), high.max(u)));
+    let most = high.max(-low);
+    if most <= BEYOND_FULL {
+        return;
+    }
+    let remedy = if low >= PULSES_US.start && high <= PULSES_US.end {
+        format!("these look like a servo's pulses in µs: --column 'u_norm=({}-1500)/500'", column(input))
+    } else {
+        "1 stands for a full command: divide it by what that is".to_owned()
+    };
+    let text = format!("{} reaches {most:.4} as u_norm, used as it is; {remedy}", column(input));
+    notes.push(Note::new(NoteKind::Unit, text));
 }
 
 /// A few commands far beyond all others. They are not left out: a blow with a hammer looks the same.

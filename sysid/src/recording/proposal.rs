@@ -63,6 +63,10 @@ pub(super) fn options(header: &[String], has: impl Fn(fn(Role) -> bool) -> bool)
     }
     if !has(|role| matches!(role, Role::Input(_))) {
         let found = named(header, &INPUT).map(|name| {
+            // a servo's pulses, about the middle of their range
+            if matches!(unit(name).as_str(), "us" | "µs" | "micros") {
+                return format!("--column 'u_norm=({}-1500)/500'", Expression::column(name));
+            }
             let target = match unit(name).as_str() {
                 "%" | "pct" | "percent" => "u_pct",
                 "v" => "u_V",
@@ -85,8 +89,10 @@ pub(super) fn options(header: &[String], has: impl Fn(fn(Role) -> bool) -> bool)
         let of = |words: &[&str], targets: [&str; 2]| {
             named(header, words).map(|name| option(targets[usize::from(in_degrees(name))], name, 1.0))
         };
-        let found = of(&RATE, ["q_rad_s", "q_deg_s"]).or_else(|| of(&ANGLE, ["theta_rad", "theta_deg"]));
-        options.push(found.unwrap_or_else(|| "--column q_rad_s=NAME".to_owned()));
+        let found = [of(&RATE, ["q_rad_s", "q_deg_s"]), of(&ANGLE, ["theta_rad", "theta_deg"])];
+        let none = found.iter().all(Option::is_none);
+        options.extend(found.into_iter().flatten());
+        options.extend(none.then(|| "--column q_rad_s=NAME".to_owned()));
     }
     options.join(" ")
 }
@@ -139,6 +145,10 @@ mod tests {
         assert_eq!(
             proposed("time (us),motor_V,pitch_deg"),
             "--column 't_s=`time (us)`*0.000001' --column 'u_V=motor_V' --column 'theta_deg=pitch_deg'"
+        );
+        assert_eq!(
+            proposed("t_ms,pwm_us,gyro_y_dps,angle_deg"),
+            "--column 't_s=t_ms*0.001' --column 'u_norm=(pwm_us-1500)/500' --column 'q_deg_s=gyro_y_dps' --column 'theta_deg=angle_deg'"
         );
     }
 

@@ -208,9 +208,13 @@ impl Loops {
             return DataCheck::cannot_tell(FEEDBACK, words);
         }
         let words = format!(
-            "in {} the motion says nothing of later inputs (least p = {}){by_design}",
+            "in {} the motion says nothing of later inputs (least p = {}{}){by_design}",
             labels.join(", "),
-            digits(least)
+            digits(least),
+            match self.tests.len() {
+                1 => String::new(),
+                several => format!(" of {several}"),
+            }
         );
         DataCheck::ruled_out(FEEDBACK, words)
     }

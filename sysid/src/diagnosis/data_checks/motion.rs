@@ -23,7 +23,7 @@ const GAIN_ERROR: f64 = 0.6;
 const CONTRADICTION: f64 = 2.0;
 /// Ratio of the bounds of that below which it is one factor.
 const ONE_FACTOR: f64 = 1.2;
-const ALONE: &str = "only one of rate and angle was recorded: nothing to compare with";
+const ALONE: &str = "only one of rate and angle is there: nothing to compare with";
 
 struct Compared {
     over: f64,
