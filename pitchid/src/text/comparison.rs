@@ -6,7 +6,7 @@ use chart::ticks::padded;
 use chart::{Chart, Panel, Series, Shape, Tone};
 use flight_logs::axes::Axis;
 use serde::Serialize;
-use sysid::compare::statistics::Verdict;
+use sysid::compare::statistics::{Difference, Verdict};
 use sysid::compare::{Change, Comparison, Quantity};
 use sysid::estimate::Estimate;
 
@@ -50,7 +50,7 @@ pub fn text(answers: &[AxisAnswer]) -> String {
                 difference,
                 format!("{:.1}", change.judged.z),
                 format!("{:.2}", change.judged.probability),
-                verdict(change.judged.verdict).to_owned(),
+                verdict(&change.judged).to_owned(),
             ]
         });
         let header = ["", "unit", "before", "after", "difference", "z", "P(changed)", ""];
@@ -140,9 +140,10 @@ fn both(estimate: &Estimate) -> String {
     }
 }
 
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
+fn verdict(judged: &Difference) -> &'static str {
+    match judged.verdict {
         Verdict::Changed => "changed",
+        Verdict::Same if judged.probability > 0.5 => "too little to matter",
         Verdict::Same => "no change seen",
         Verdict::CannotTell => "cannot tell",
     }

@@ -33,7 +33,7 @@ pub mod model_file;
 mod moment_step;
 mod over_angle;
 mod periodic_moment;
-mod position_drive;
+pub mod position_drive;
 mod quadratic_drag;
 pub mod rest_angle;
 pub mod roll_off;

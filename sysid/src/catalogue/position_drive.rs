@@ -22,6 +22,10 @@ impl Effect for PositionDrive {
     fn generalises(&self, other: &dyn Effect) -> bool {
         ["linear_stiffness", "gravity_stiffness"].contains(&other.about().id)
     }
+    /// A drive that is quicker than the rows begins to turn with the command, as a reaction to its change would.
+    fn accounts_for(&self, other: &dyn Effect, _values: &[f64], _data: &Amplitudes) -> bool {
+        other.about().id == "rotor_reaction"
+    }
     fn picture(&self) -> Option<Picture> {
         Some(Picture::Moment(Signal::Angle))
     }

@@ -14,6 +14,7 @@
 use super::selection::without;
 use crate::catalogue::gravity_stiffness::{GravityStiffness, STIFFEST};
 use crate::catalogue::linear_stiffness::LinearStiffness;
+use crate::catalogue::position_drive::PositionDrive;
 use crate::catalogue::rest_angle::RestAngle;
 use crate::catalogue::trim_offset::TrimOffset;
 use crate::likelihood::fit::{Fit, SKETCH, fit, refit};
@@ -96,29 +97,33 @@ fn has_straight_spring(problem: &Problem<'_>, before: &Fit) -> bool {
 /// `before` with gravity, or a spring that is too stiff for it, whichever is `asked_of`, where the motion swings by a regression
 /// ([`swing_of`]) and hangs at zero: a pendulum that the air keeps swinging moves by itself more than by the command, and a
 /// disturbance that has settled on its frequency leaves nothing for a spring to be found by.
-pub fn about_zero(
-    problem: &Problem<'_>,
-    before: &Fit,
-    asked_of: impl Fn(&dyn Effect) -> bool,
-) -> Option<Fit> {
-    let springs = before.effects.iter().any(|e| SPRINGS.contains(&e.about().id));
+pub fn about_zero(problem: &Problem<'_>, before: &Fit, asked_of: impl Fn(&dyn Effect) -> bool) -> Vec<Fit> {
+    let holds = |id: &str| SPRINGS.contains(&id) || id == PositionDrive.about().id;
+    let springs = before.effects.iter().any(|e| holds(e.about().id));
     if problem.hangs_aside || springs || has_straight_spring(problem, before) {
-        return None;
+        return Vec::new();
     }
-    let swing = swing_of(problem.data)?;
-    let spring: &'static dyn Effect =
-        if swing.stiffness < STIFFEST { &GravityStiffness } else { &LinearStiffness };
-    if !asked_of(spring) {
-        return None;
-    }
-    let effects = [&before.effects[..], &[spring]].concat();
-    let sketch = |strength: f64| {
-        let mut values = as_it_swings(problem, before, &swing);
-        values[problem.noise_range()].copy_from_slice(&problem.noise_start(strength));
-        values.push(problem.baseline.plant.inertia * swing.stiffness);
-        fit(problem, &effects, &values, SKETCH)
+    let Some(swing) = swing_of(problem.data) else { return Vec::new() };
+    let stiffness = problem.baseline.plant.inertia * swing.stiffness;
+    let spring: (&'static dyn Effect, Vec<f64>) = match swing.stiffness < STIFFEST {
+        true => (&GravityStiffness, vec![stiffness]),
+        false => (&LinearStiffness, vec![stiffness]),
     };
-    best_of(problem, &effects, STRENGTHS.into_par_iter().filter_map(sketch).collect())
+    // a drive at its limit goes at one speed, and stands still in between
+    let fastest = 2.0 * problem.baseline.plant.inertia * swing.dm_dq.abs() * problem.sizes.q;
+    let drive: (&'static dyn Effect, Vec<f64>) = (&PositionDrive, vec![stiffness, fastest]);
+    let asked = [spring, drive].into_iter().filter(|(effect, _)| asked_of(*effect));
+    let found = asked.filter_map(|(effect, own)| {
+        let effects = [&before.effects[..], &[effect]].concat();
+        let sketch = |strength: f64| {
+            let mut values = as_it_swings(problem, before, &swing);
+            values[problem.noise_range()].copy_from_slice(&problem.noise_start(strength));
+            values.extend(&own);
+            fit(problem, &effects, &values, SKETCH)
+        };
+        best_of(problem, &effects, STRENGTHS.into_par_iter().filter_map(sketch).collect())
+    });
+    found.collect()
 }
 
 /// The values of `before`, with the plant that the regression has found.
@@ -223,15 +228,15 @@ mod tests {
         let stiffness = 6.0;
         let swings = flight_with(3, |_, _, angle| -stiffness * angle.sin());
         asked(&swings, |problem, plain| {
-            let fit = about_zero(problem, plain, |_| true).unwrap();
+            let fit = about_zero(problem, plain, |_| true).remove(0);
             let value = fit.minimum.values[fit.range_of(problem, "gravity_stiffness").unwrap()][0];
             assert!((value / stiffness - 1.0).abs() < 0.1, "{value}");
             assert!(plain.criterion() - fit.criterion() > 30.0);
-            assert!(about_zero(problem, &fit, |_| true).is_none(), "it has one");
+            assert!(about_zero(problem, &fit, |_| true).is_empty(), "it has one");
         });
         let free = flight_with(3, |_, _, _| 0.0);
         asked(&free, |problem, plain| {
-            assert!(about_zero(problem, plain, |_| true).is_none(), "it does not swing");
+            assert!(about_zero(problem, plain, |_| true).is_empty(), "it does not swing");
         });
     }
 

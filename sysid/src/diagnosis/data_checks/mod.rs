@@ -128,6 +128,8 @@ pub fn of_fit(
 
 /// A motion that is over within so many rows of its cause is more like what a controller makes of it.
 const QUICK_ROWS: f64 = 4.0;
+/// Rows for which a command keeps its value in the mean that is no answer to what is over within [`QUICK_ROWS`].
+const DECIDED_ROWS: usize = 10;
 /// Rows for which a command that was decided beforehand keeps a value at least, in the mean.
 const HELD_ROWS: usize = 2;
 
@@ -167,10 +169,12 @@ pub fn turns_cause_about(problem: &Problem<'_>, baseline: &Fit, extended: &Fit) 
         && settles_like_a_command(problem, extended)
 }
 
-/// Whether the motion by `fit` settles within a few rows, as a command does that is made of it and an airframe hardly can.
+/// Whether the motion by `fit` settles within a few rows, as a command does that is made of it and an airframe hardly can. A command
+/// that keeps its value for much longer is made of nothing that is over so soon: a servo does that.
 fn settles_like_a_command(problem: &Problem<'_>, fit: &Fit) -> bool {
     let plant = problem.unpack(&fit.effects, &fit.minimum.values).plant;
     -plant.dm_dq * QUICK_ROWS * problem.sizes.step > plant.inertia
+        && !problem.data.runs.iter().all(|run| run.holds_longer_than(DECIDED_ROWS))
 }
 
 /// Whether `fit`, with the input first, has the motion follow without any delay, and the loop is closed or the motion settles like a
