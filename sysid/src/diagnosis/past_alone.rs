@@ -34,12 +34,13 @@ pub fn vaf_of_the_past_alone(
     let of = |places: &[Place], far: usize| -> Vec<(DVector<f64>, f64)> {
         places.iter().flat_map(|place| pairs(problem, place, horizon, far)).collect()
     };
-    let columns = |all: &[(DVector<f64>, f64)]| all.first().map_or(0, |(x, _)| x.len());
-    let (mut far, mut fitted) = (FAR_LAGS, of(fitted_on, FAR_LAGS));
-    if fitted.len() < FEWEST_PER_COLUMN * columns(&fitted) || fitted.is_empty() {
-        (far, fitted) = (0, of(fitted_on, 0));
-    }
-    let Some(weights) = least_squares(columns(&fitted), fitted.into_iter()) else { return 0.0 };
+    let with = |far: usize| {
+        let fitted = of(fitted_on, far);
+        let columns = fitted.first()?.0.len();
+        let enough = fitted.len() >= FEWEST_PER_COLUMN * columns;
+        Some((far, least_squares(columns, fitted.into_iter()).filter(|_| enough)?))
+    };
+    let Some((far, weights)) = with(FAR_LAGS).or_else(|| with(0)) else { return 0.0 };
     let judged = of(judged_on, far).into_iter();
     let asked: Vec<[f64; 2]> = judged.map(|(x, y)| [y, y - weights.dot(&x)]).collect();
     let mean = asked.iter().map(|[y, _]| y).sum::<f64>() / asked.len().max(1) as f64;
