@@ -45,7 +45,7 @@ pub struct Run {
     pub beside: Beside,
     /// Where the supervisor overrode the excitation.
     pub supervised: Vec<bool>,
-    /// Rows in which nothing was measured; empty where there are none.
+    /// Rows that repeat the last reading of a slower sensor; empty where there are none.
     pub stale: Vec<bool>,
     /// Sections, and the rows of this run that they cover.
     pub sections: Vec<(String, Range<usize>)>,

@@ -20,8 +20,6 @@ use crate::error::{Error, ErrorKind};
 const GAP: f64 = 3.5;
 /// A difference beyond this many steps has a row missing in it.
 const MISSING: f64 = 1.5;
-/// Steps from a stamp within which a value beside a missing row is still measured.
-const NEAR: f64 = 0.25;
 /// Rows over which bursts of stamps even out.
 const BURSTS: usize = 8;
 /// Jitter, in steps, that is snapped to the grid; more is resampled.
@@ -298,7 +296,7 @@ struct Point {
     /// The row whose held values it has: the nearer one, unless rows are missing between the two. The one before would be late by
     /// a share of the step that wanders with the stamps, as no loop's delay does.
     held: usize,
-    /// The row by which the outputs were measured there; `None` where none was: a row is missing, or nothing new had come.
+    /// The nearer row, where something new was measured in it.
     measured: Option<usize>,
 }
 
@@ -360,13 +358,7 @@ fn place(t: &[f64], at: usize, time: f64, step: f64) -> Point {
     let part = ((time - t[at]) / (next - t[at])).clamp(0.0, 1.0);
     let is_missing = next - t[at] > MISSING * step;
     let nearer = if part > 0.5 { at + 1 } else { at };
-    let is_measured = !is_missing || (time - t[nearer]).abs() <= NEAR * step;
-    Point {
-        row: at,
-        part,
-        held: if is_missing { at } else { nearer },
-        measured: is_measured.then_some(nearer),
-    }
+    Point { row: at, part, held: if is_missing { at } else { nearer }, measured: Some(nearer) }
 }
 
 fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHold) {

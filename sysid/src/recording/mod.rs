@@ -86,8 +86,7 @@ pub struct Recording {
     pub battery: Option<Vec<f64>>,
     /// Where the supervisor overrode the excitation; all false without the column.
     pub supervised: Vec<bool>,
-    /// Rows in which nothing was measured: a missing one that was filled, or one that repeats the last reading of a slower sensor.
-    /// Empty where there are none.
+    /// Rows that repeat the last reading of a slower sensor; empty where there are none.
     pub stale: Vec<bool>,
     /// Named stretches in order of time, each inside one segment; rows labelled `-` belong to none.
     pub sections: Vec<Section>,
