@@ -143,7 +143,7 @@ fn both(estimate: &Estimate) -> String {
 fn verdict(judged: &Difference) -> &'static str {
     match judged.verdict {
         Verdict::Changed => "changed",
-        Verdict::Same if judged.probability > 0.5 => "too little to matter",
+        Verdict::Same if judged.is_certain() => "too little to matter",
         Verdict::Same => "no change seen",
         Verdict::CannotTell => "cannot tell",
     }

@@ -126,6 +126,14 @@ pub struct Difference {
     pub would_be_seen: Option<f64>,
 }
 
+impl Difference {
+    /// Whether chance hardly makes it, be it too little to matter.
+    #[must_use]
+    pub fn is_certain(&self) -> bool {
+        self.p_value < LEVEL
+    }
+}
+
 /// Judges pairs of before and after, each with the size of a usual change, together.
 #[must_use]
 pub fn judge(pairs: &[([Measured; 2], f64)]) -> Vec<Difference> {

@@ -281,7 +281,7 @@ fn regress(
             f.fill(0.0);
             fill(stretch, k - 1, &mut f);
             if !measured {
-                filter.advance(&drive, &f, &mut x, &mut next);
+                filter.advance(run.is_measured(k - 1), (&drive, &f), &mut x, &mut next);
             }
             if counted[k] {
                 for (shown, &state) in shown.iter_mut().zip(&filter.measured) {
@@ -299,7 +299,10 @@ fn regress(
                 }
             }
             if measured {
-                filter.advance(&drive, &f, &mut x, &mut next);
+                if !run.is_measured(k) {
+                    f.fill(0.0);
+                }
+                filter.advance(run.is_measured(k), (&drive, &f), &mut x, &mut next);
             }
         }
     }

@@ -16,7 +16,7 @@ use crate::likelihood::problem::Problem;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Samples that a search is made on: a little more than those of a test of 100 s at 50 Hz.
+/// Readings that a search is made on: a little more than those of a test of 100 s at 50 Hz.
 const ENOUGH: usize = 6_000;
 /// To search in part and to fit again costs more than to search on no more than so many.
 const FEW: usize = 10_000;
@@ -30,7 +30,9 @@ const MOST_CARRIED: usize = 8;
 /// Stretches of equal length from all over the data, or one as long as all of them; `None` where the data are few.
 pub fn excerpt(data: &Dataset) -> Option<Dataset> {
     let all = data.samples();
-    if all <= FEW {
+    let every = data.runs.iter().map(Run::measured_every).max().unwrap_or(1);
+    let enough = every * ENOUGH;
+    if all <= every * FEW {
         return None;
     }
     let stretch = |k: usize, length: usize| {
@@ -39,7 +41,7 @@ pub fn excerpt(data: &Dataset) -> Option<Dataset> {
         rows.filter(|(_, rows)| rows.len() > 1).collect::<Vec<_>>()
     };
     let rows: Vec<(usize, Range<usize>)> = if data.has_angle {
-        (0..STRETCHES).flat_map(|k| stretch(k, ENOUGH / STRETCHES)).collect()
+        (0..STRETCHES).flat_map(|k| stretch(k, enough / STRETCHES)).collect()
     } else {
         let motion = |rows: &Vec<(usize, Range<usize>)>| {
             let place = |(run, rows): &(usize, Range<usize>)| Place {
@@ -49,7 +51,7 @@ pub fn excerpt(data: &Dataset) -> Option<Dataset> {
             };
             data.motion(&rows.iter().map(place).collect::<Vec<_>>())
         };
-        (0..STRETCHES).map(|k| stretch(k, ENOUGH)).max_by(|a, b| motion(a).total_cmp(&motion(b)))?
+        (0..STRETCHES).map(|k| stretch(k, enough)).max_by(|a, b| motion(a).total_cmp(&motion(b)))?
     };
     let runs = rows.into_iter().map(|(run, rows)| cut(&data.runs[run], rows)).collect();
     Some(Dataset { runs, ..*data })

@@ -100,11 +100,13 @@ impl<'p, 'd> Judgement<'p, 'd> {
         } else {
             selection.extended
         };
+        let mut been = Vec::new();
         let Told { place, named, immaterial, shapes, rotation } = loop {
+            been.push(place);
             let told = told(problem, &selection, place, parts, &closed_near, progress);
             match told.unfounded(problem, &selection).or_else(|| told.likelier()) {
-                Some(without) => place = without,
-                None => break told,
+                Some(other) if !been.contains(&other) => place = other,
+                _ => break told,
             }
         };
         let fit = &selection.visited[place].fit;
@@ -330,9 +332,10 @@ impl Told {
     /// The model of a rival that is likelier than a name which it holds as its special case.
     fn likelier(&self) -> Option<usize> {
         let likelier = |finding: &Finding| {
-            let (rival, probability, place) = finding.rivals.first()?;
-            let general = rival.generalises(finding.effect) && *probability > finding.probability;
-            general.then_some(*place)
+            let general = |(rival, probability, _): &&(&'static dyn Effect, f64, usize)| {
+                rival.generalises(finding.effect) && *probability > finding.probability
+            };
+            finding.rivals.iter().find(general).map(|(.., place)| *place)
         };
         self.named.iter().find_map(likelier)
     }

@@ -35,9 +35,14 @@ pub fn left_over(problem: &Problem<'_>, baseline: &Fit, extended: &Fit) -> Optio
     let scale = whitening(&extended.minimum.residuals);
     let of = |fit: &Fit| one_step(problem, fit, &scale);
     let changed = !extended.effects.is_empty();
-    let step = problem.data.runs.first()?.step;
+    let step = reading_step(problem)?;
     let before = of(baseline)?;
     Some(LeftOver { before, after: if changed { Some(of(extended)?) } else { None }, step })
+}
+
+/// Time from one reading to the next, s.
+fn reading_step(problem: &Problem<'_>) -> Option<f64> {
+    problem.data.runs.first().map(|run| run.measured_every() as f64 * run.step)
 }
 
 fn one_step(problem: &Problem<'_>, fit: &Fit, scale: &[f64; 3]) -> Option<OneStep> {
@@ -45,7 +50,7 @@ fn one_step(problem: &Problem<'_>, fit: &Fit, scale: &[f64; 3]) -> Option<OneSte
     if errors.len() < 32 {
         return None;
     }
-    let step = problem.data.runs.first()?.step;
+    let step = reading_step(problem)?;
     let first: Vec<f64> = errors.iter().map(|e| e[0]).collect();
     let input: Vec<f64> = problem.counted_rows().map(|(run, k)| problem.data.runs[run].u[k]).collect();
     let lags = ((REACH_S / step) as usize).min(MOST_LAGS);

@@ -31,17 +31,17 @@ pub fn vaf_of_the_past_alone(
     judged_on: &[Place],
     horizon: f64,
 ) -> f64 {
-    let of = |places: &[Place], far: usize| -> Vec<(DVector<f64>, f64)> {
-        places.iter().flat_map(|place| pairs(problem, place, horizon, far)).collect()
+    let of = |places: &[Place], far: usize| {
+        places.to_vec().into_iter().flat_map(move |place| pairs(problem, &place, horizon, far))
     };
     let with = |far: usize| {
-        let fitted = of(fitted_on, far);
-        let columns = fitted.first()?.0.len();
-        let enough = fitted.len() >= FEWEST_PER_COLUMN * columns;
-        Some((far, least_squares(columns, fitted.into_iter()).filter(|_| enough)?))
+        let columns = of(fitted_on, far).next()?.0.len();
+        let enough =
+            of(fitted_on, far).take(FEWEST_PER_COLUMN * columns).count() == FEWEST_PER_COLUMN * columns;
+        Some((far, least_squares(columns, of(fitted_on, far)).filter(|_| enough)?))
     };
     let Some((far, weights)) = with(FAR_LAGS).or_else(|| with(0)) else { return 0.0 };
-    let judged = of(judged_on, far).into_iter();
+    let judged = of(judged_on, far);
     let asked: Vec<[f64; 2]> = judged.map(|(x, y)| [y, y - weights.dot(&x)]).collect();
     let mean = asked.iter().map(|[y, _]| y).sum::<f64>() / asked.len().max(1) as f64;
     let left: f64 = asked.iter().map(|[_, error]| error * error).sum();
@@ -50,12 +50,12 @@ pub fn vaf_of_the_past_alone(
 }
 
 /// Regressors with so many `far` lags and what they predict, all over `place`, from one reading to another.
-fn pairs<'d>(
-    problem: &'d Problem<'_>,
+fn pairs<'d, 'p>(
+    problem: &'d Problem<'p>,
     place: &Place,
     horizon: f64,
     far: usize,
-) -> impl Iterator<Item = (DVector<f64>, f64)> + 'd {
+) -> impl Iterator<Item = (DVector<f64>, f64)> + use<'d, 'p> {
     let run = &problem.data.runs[place.run];
     let rows = |seconds: f64| (seconds / run.step).round().max(1.0) as usize;
     let every = run.measured_every();

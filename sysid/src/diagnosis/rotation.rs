@@ -325,7 +325,8 @@ fn gains_by_block(
     };
     let mut blocks = Vec::new();
     for &(run, ref counted) in &counted {
-        let rows = ((BLOCK_S / problem.data.runs[run].step) as usize).max(1);
+        let run_of = &problem.data.runs[run];
+        let rows = ((BLOCK_S / (run_of.step * run_of.measured_every() as f64)) as usize).max(1);
         let gain = |&k: &usize| a.1 - b.1 + square(&a.0, &before[run][k]) - square(&b.0, &after[run][k]);
         blocks.extend(counted.chunks(rows).map(|block| block.iter().map(gain).sum::<f64>()));
     }

@@ -114,7 +114,8 @@ fn background_of(problem: &Problem<'_>, fit: &Fit, omegas: &[f64]) -> Option<Vec
                     .enumerate()
                     .map(|(k, h)| Complex::cis(-omega * k as f64 * run.step) * h)
                     .sum();
-                *power += line.norm_sqr() * run.step / (PI * points.len() as f64);
+                let step = run.step / run.measured_every() as f64;
+                *power += line.norm_sqr() * step / (PI * points.len() as f64);
             }
         }
     }

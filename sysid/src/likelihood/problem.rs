@@ -396,12 +396,13 @@ impl<'a> Problem<'a> {
         unpacked: &Unpacked,
         mut of_run: impl FnMut(usize, &PitchModel<'_>, &Gains) -> Option<()>,
     ) -> Option<()> {
-        let mut sampled: Option<(f64, PitchModel<'_>, Gains)> = None;
+        let mut sampled: Option<((f64, usize), PitchModel<'_>, Gains)> = None;
         for (index, run) in self.data.runs.iter().enumerate() {
-            if !sampled.as_ref().is_some_and(|(step, ..)| *step == run.step) {
+            let pace = (run.step, run.measured_every());
+            if !sampled.as_ref().is_some_and(|(known, ..)| *known == pace) {
                 let model = self.model(unpacked, run.step)?;
                 let gain = model.gain(&unpacked.disturbance, run)?;
-                sampled = Some((run.step, model, gain));
+                sampled = Some((pace, model, gain));
             }
             let (_, model, gains) = sampled.as_ref()?;
             of_run(index, model, gains)?;

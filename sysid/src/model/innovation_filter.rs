@@ -10,11 +10,13 @@ use crate::dataset::Run;
 /// δ⁺ = Φ (I − K C) δ + Γ m − Φ K d,     e = C δ + d
 /// ```
 ///
-/// δ is by how much the true state is ahead of the predicted one (Kailath, 1968; Ljung, System Identification, ch. 4).
+/// From a row in which nothing was measured on, δ⁺ = Φ δ + Γ m. δ is by how much the true state is ahead of the predicted one (Kailath, 1968; Ljung, System Identification, ch. 4).
 #[derive(Clone, Debug)]
 pub struct InnovationFilter {
     /// Φ (I − K C), over one sample.
     pub transition: StateMatrix,
+    /// Φ.
+    pub uncorrected: StateMatrix,
     /// Γ: a unit moment, held over one sample.
     pub per_moment: State,
     /// Φ K, one column per measured channel.
@@ -31,12 +33,20 @@ impl InnovationFilter {
         Shift::new(self.delay, 0, 1, run.step, run.held).mean(run, k)
     }
 
-    /// x⁺ = Φ (I − K C) x + drive · f for all features f at once: x has a row for each state, `next` is room for the same.
-    pub fn advance(&self, drive: &State, f: &[f64], x: &mut Vec<Vec<f64>>, next: &mut Vec<Vec<f64>>) {
+    /// x⁺ = Φ (I − K C) x + drive · f for all features f at once, Φ x + drive · f from a row that was not `measured`: x has a row for
+    /// each state, `next` is room for the same.
+    pub fn advance(
+        &self,
+        measured: bool,
+        (drive, f): (&State, &[f64]),
+        x: &mut Vec<Vec<f64>>,
+        next: &mut Vec<Vec<f64>>,
+    ) {
+        let transition = if measured { &self.transition } else { &self.uncorrected };
         for (i, row) in next.iter_mut().enumerate() {
             row.iter_mut().zip(f).for_each(|(y, f)| *y = drive[i] * f);
             for (j, x) in x.iter().enumerate() {
-                let a = self.transition[(i, j)];
+                let a = transition[(i, j)];
                 if a != 0.0 {
                     row.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
                 }

@@ -2,6 +2,7 @@
 
 use super::clock::{Grid, counted};
 use super::columns::{InputUnit, Role};
+use super::expression::Expression;
 use super::plateaus::plateaus;
 use super::rate_and_angle::rate_and_angle;
 use super::table::{Signal, Table};
@@ -103,7 +104,10 @@ fn check_full_command(input: &Signal, grid: &Grid, notes: &mut Vec<Note>) {
         return;
     }
     let remedy = if low >= PULSES_US.start && high <= PULSES_US.end {
-        format!("these look like a servo's pulses in µs: --column 'u_norm=({}-1500)/500'", column(input))
+        format!(
+            "these look like a servo's pulses in µs: --column 'u_norm=({}-1500)/500'",
+            Expression::column(column(input))
+        )
     } else {
         "1 stands for a full command: divide it by what that is".to_owned()
     };

@@ -86,10 +86,13 @@ pub(super) fn options(header: &[String], has: impl Fn(fn(Role) -> bool) -> bool)
             let unit = unit(name);
             unit.contains("deg") || unit.contains('°') || unit == "dps"
         };
-        let of = |words: &[&str], targets: [&str; 2]| {
+        let of = |header: &[String], words: &[&str], targets: [&str; 2]| {
             named(header, words).map(|name| option(targets[usize::from(in_degrees(name))], name, 1.0))
         };
-        let found = [of(&RATE, ["q_rad_s", "q_deg_s"]), of(&ANGLE, ["theta_rad", "theta_deg"])];
+        let is_rate = |name: &String| tokens(name).iter().any(|token| RATE.contains(&token.as_str()));
+        let angles: Vec<String> = header.iter().filter(|name| !is_rate(name)).cloned().collect();
+        let found =
+            [of(header, &RATE, ["q_rad_s", "q_deg_s"]), of(&angles, &ANGLE, ["theta_rad", "theta_deg"])];
         let none = found.iter().all(Option::is_none);
         options.extend(found.into_iter().flatten());
         options.extend(none.then(|| "--column q_rad_s=NAME".to_owned()));
@@ -145,6 +148,10 @@ mod tests {
         assert_eq!(
             proposed("time (us),motor_V,pitch_deg"),
             "--column 't_s=`time (us)`*0.000001' --column 'u_V=motor_V' --column 'theta_deg=pitch_deg'"
+        );
+        assert_eq!(
+            proposed("t,cmd,pitch_rate_dps"),
+            "--column 't_s=t' --column 'u_norm=cmd' --column 'q_deg_s=pitch_rate_dps'"
         );
         assert_eq!(
             proposed("t_ms,pwm_us,gyro_y_dps,angle_deg"),

@@ -7,7 +7,6 @@
 
 use super::checks::extremes;
 use super::columns::Role;
-use super::plateaus::smallest_step;
 use super::table::{Signal, Table};
 use super::{Note, NoteKind};
 use std::ops::Range;
@@ -37,7 +36,7 @@ pub(super) fn rows(table: &Table, step: f64, notes: &mut Vec<Note>) -> Vec<bool>
     let slow: Vec<(&Signal, Option<Slow>)> = outputs().map(|signal| (signal, slow(&signal.values))).collect();
     let all = slow.iter().all(|(_, slow)| slow.is_some());
     for (signal, slow) in slow.iter().filter_map(|(signal, slow)| Some((signal, slow.as_ref()?))) {
-        let left_out = if all { "; rows without a new one do not count" } else { "" };
+        let left_out = if all { "; rows in which no output is new do not count" } else { "" };
         let late = step * (slow.median.max(2) as f64 - 1.0);
         let text = format!(
             "{} changes only every {:.1} samples while it moves: it is measured more slowly than it is logged, and up to {late:.4} s \
@@ -54,9 +53,17 @@ pub(super) fn rows(table: &Table, step: f64, notes: &mut Vec<Note>) -> Vec<bool>
         .collect()
 }
 
+/// The step than which one in a hundred is smaller: a single value that was bridged or made continuous stands between two others.
+fn usual_least_step(values: &[f64]) -> Option<f64> {
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+    let place = steps.len() / 100;
+    (place < steps.len()).then(|| *steps.select_nth_unstable_by(place, f64::total_cmp).1)
+}
+
 /// What there is of held readings in `values`; `None` where no more repeat than chance and rounding make.
 fn slow(values: &[f64]) -> Option<Slow> {
-    let smallest = smallest_step(values);
+    let smallest = usual_least_step(values)?;
     let (low, high) = extremes(values);
     let mut start = 0;
     let runs: Vec<Range<usize>> = values

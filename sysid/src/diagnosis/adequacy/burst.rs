@@ -90,8 +90,9 @@ fn moments(left: &Left) -> Vec<Vec<(f64, f64)>> {
     for stretch in &left.stretches {
         let begin = stretch.known.first().map_or(0.0, |row| row.time);
         let mut before = false;
-        for (row, &counted) in stretch.known.iter().zip(&stretch.counted) {
-            let counts = counted && row.time > begin + SETTLED_S;
+        for (k, (row, &counted)) in stretch.known.iter().zip(&stretch.counted).enumerate() {
+            // between two readings the moment is known as well
+            let counts = (counted || !stretch.is_measured(k)) && row.time > begin + SETTLED_S;
             if counts && !before {
                 pieces.push(Vec::new());
             }

@@ -152,7 +152,7 @@ fn outcome(left: &Left, entry: Entry, count: usize, fill: &dyn Fn(&Known, &mut [
         for k in 1..stretch.known.len() {
             fill(&stretch.known[k - 1], &mut f);
             if entry == Entry::Moment {
-                filter.advance(&drive, &f, &mut x, &mut next);
+                filter.advance(stretch.is_measured(k - 1), (&drive, &f), &mut x, &mut next);
             }
             if stretch.counted[k] {
                 for (shown, &state) in shown.iter_mut().zip(&filter.measured) {
@@ -168,7 +168,11 @@ fn outcome(left: &Left, entry: Entry, count: usize, fill: &dyn Fn(&Known, &mut [
                 }
             }
             if entry == Entry::Measurement {
-                filter.advance(&drive, &f, &mut x, &mut next);
+                let measured = stretch.is_measured(k);
+                if !measured {
+                    f.fill(0.0);
+                }
+                filter.advance(measured, (&drive, &f), &mut x, &mut next);
             }
             index += usize::from(stretch.counted[k]);
         }

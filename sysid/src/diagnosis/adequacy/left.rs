@@ -33,6 +33,15 @@ pub struct Stretch {
     pub known: Vec<Known>,
     /// Which rows count.
     pub counted: Vec<bool>,
+    /// Rows that repeat the last reading; empty where there are none.
+    pub stale: Vec<bool>,
+}
+
+impl Stretch {
+    /// Whether something was measured in row `k`.
+    pub fn is_measured(&self, k: usize) -> bool {
+        self.stale.get(k) != Some(&true)
+    }
 }
 
 /// What a fit leaves.
@@ -55,6 +64,14 @@ pub struct Left {
 }
 
 impl Left {
+    /// Rows from one counted row to the next, in the mean, where a sensor is slower than the log.
+    pub fn rows_per_reading(&self) -> f64 {
+        let rows: usize = self.stretches.iter().map(|stretch| stretch.counted.len()).sum();
+        let stale: usize =
+            self.stretches.iter().map(|stretch| stretch.stale.iter().filter(|stale| **stale).count()).sum();
+        rows as f64 / (rows - stale).max(1) as f64
+    }
+
     /// Of `fit`. `None` where it has no finite innovations or derivatives.
     pub fn new(problem: &Problem<'_>, fit: &Fit) -> Option<Self> {
         let residuals = problem.prediction_errors(&fit.effects);
@@ -128,7 +145,8 @@ fn stretches(problem: &Problem<'_>, fit: &Fit) -> Option<Vec<Stretch>> {
     for (run, counted) in problem.data.runs.iter().zip(&problem.counted) {
         let model = problem.model(&unpacked, run.step)?;
         let filter = model.innovation_filter(&model.gain(&unpacked.disturbance, run)?, run);
-        stretches.push(Stretch { filter, known: Vec::with_capacity(run.len()), counted: counted.clone() });
+        let known = Vec::with_capacity(run.len());
+        stretches.push(Stretch { filter, known, counted: counted.clone(), stale: run.stale.clone() });
     }
     let recent = (RECENT_S / sizes.step).ceil() as usize;
     problem.track(

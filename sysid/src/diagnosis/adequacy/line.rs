@@ -41,7 +41,9 @@ pub struct Line {
 
 /// Tests the first channel.
 pub fn test(left: &Left) -> Test {
-    let Some(line) = highest(&left.channel(0), left.step) else { return Test::silent("line", true) };
+    let Some(line) = highest(&left.channel(0), left.step * left.rows_per_reading()) else {
+        return Test::silent("line", true);
+    };
     Test {
         name: "line",
         statistic: line.height,

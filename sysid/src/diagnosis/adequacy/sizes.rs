@@ -116,7 +116,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         slope
     };
     let slopes = vec![slope(0), slope(1)];
-    let stretches = vec![Stretch { filter, known, counted: vec![true; rows] }];
+    let stretches = vec![Stretch { filter, known, counted: vec![true; rows], stale: Vec::new() }];
     Left { channels: 2, errors, slopes, whitening, stretches, step: STEP, duration: sizes.duration }
 }
 

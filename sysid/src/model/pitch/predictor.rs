@@ -37,6 +37,7 @@ impl PitchModel<'_> {
         }
         InnovationFilter {
             transition,
+            uncorrected: self.linearised,
             per_moment: self.per_moment_of_substep.iter().sum(),
             per_addition,
             measured,
