@@ -53,11 +53,11 @@ pub(super) fn rows(table: &Table, step: f64, notes: &mut Vec<Note>) -> Vec<bool>
         .collect()
 }
 
-/// The step than which one in a hundred is smaller: a single value that was bridged or made continuous stands between two others.
+/// The step than which one in a thousand is smaller: a single value that was bridged or made continuous stands between two others.
 fn usual_least_step(values: &[f64]) -> Option<f64> {
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
-    let place = steps.len() / 100;
+    let place = steps.len() / 1000;
     (place < steps.len()).then(|| *steps.select_nth_unstable_by(place, f64::total_cmp).1)
 }
 
@@ -97,7 +97,9 @@ fn slow(values: &[f64]) -> Option<Slow> {
     }
     let mut stale = vec![false; values.len()];
     for run in &runs {
-        let held_for = if in_motion(run) && run.len() <= 2 * median { run.len() } else { median };
+        // one reading comes a row early or late
+        let is_one = in_motion(run) && run.len() <= 2 * median || median > 1 && run.len() == median + 1;
+        let held_for = if is_one { run.len() } else { median };
         run.clone().for_each(|row| stale[row] = !(row - run.start).is_multiple_of(held_for));
     }
     Some(Slow { stale, mean: rows as f64 / lengths.len() as f64, median })
