@@ -31,9 +31,7 @@ pub fn vaf_of_the_past_alone(
     judged_on: &[Place],
     horizon: f64,
 ) -> f64 {
-    let of = |places: &[Place], far: usize| {
-        places.to_vec().into_iter().flat_map(move |place| pairs(problem, &place, horizon, far))
-    };
+    let of = |places, far| all_pairs(problem, places, horizon, far);
     let with = |far: usize| {
         let columns = of(fitted_on, far).next()?.0.len();
         let enough =
@@ -47,6 +45,16 @@ pub fn vaf_of_the_past_alone(
     let left: f64 = asked.iter().map(|[_, error]| error * error).sum();
     let total: f64 = asked.iter().map(|[y, _]| (y - mean).powi(2)).sum();
     if total > 0.0 { 100.0 * (1.0 - left / total).max(0.0) } else { 0.0 }
+}
+
+/// [`pairs`] of all `places`.
+fn all_pairs(
+    problem: &Problem<'_>,
+    places: &[Place],
+    horizon: f64,
+    far: usize,
+) -> impl Iterator<Item = (DVector<f64>, f64)> {
+    places.iter().flat_map(move |place| pairs(problem, place, horizon, far))
 }
 
 /// Regressors with so many `far` lags and what they predict, all over `place`, from one reading to another.
