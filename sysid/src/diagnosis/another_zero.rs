@@ -105,14 +105,13 @@ pub fn about_zero(problem: &Problem<'_>, before: &Fit, asked_of: impl Fn(&dyn Ef
     }
     let Some(swing) = swing_of(problem.data) else { return Vec::new() };
     let stiffness = problem.baseline.plant.inertia * swing.stiffness;
-    let spring: (&'static dyn Effect, Vec<f64>) = match swing.stiffness < STIFFEST {
-        true => (&GravityStiffness, vec![stiffness]),
-        false => (&LinearStiffness, vec![stiffness]),
-    };
+    let spring: &'static dyn Effect =
+        if swing.stiffness < STIFFEST { &GravityStiffness } else { &LinearStiffness };
     // a drive at its limit goes at one speed, and stands still in between
     let fastest = 2.0 * problem.baseline.plant.inertia * swing.dm_dq.abs() * problem.sizes.q;
-    let drive: (&'static dyn Effect, Vec<f64>) = (&PositionDrive, vec![stiffness, fastest]);
-    let asked = [spring, drive].into_iter().filter(|(effect, _)| asked_of(*effect));
+    let drive: &'static dyn Effect = &PositionDrive;
+    let starts = [(spring, vec![stiffness]), (drive, vec![stiffness, fastest])];
+    let asked = starts.into_iter().filter(|(effect, _)| asked_of(*effect));
     let found = asked.filter_map(|(effect, own)| {
         let effects = [&before.effects[..], &[effect]].concat();
         let sketch = |strength: f64| {

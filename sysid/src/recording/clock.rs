@@ -296,8 +296,8 @@ struct Point {
     /// The row whose held values it has: the nearer one, unless rows are missing between the two. The one before would be late by
     /// a share of the step that wanders with the stamps, as no loop's delay does.
     held: usize,
-    /// The nearer row, where something new was measured in it.
-    measured: Option<usize>,
+    /// The nearer row.
+    nearer: usize,
 }
 
 /// Lays the grid over every stretch and moves the table onto it; returns the stretches' new rows.
@@ -328,10 +328,8 @@ fn resample(
                 at += 1;
             }
             let point = place(t, at, time, step);
-            let [row, held] = [point.row, point.held].map(|row| rows.start + row);
-            let measured = point.measured.map(|row| rows.start + row);
-            let measured = measured.filter(|&row| table.stale.get(row) != Some(&true));
-            points.push(Point { row, held, measured, ..point });
+            let [row, held, nearer] = [point.row, point.held, point.nearer].map(|row| rows.start + row);
+            points.push(Point { row, held, nearer, ..point });
             times.push(time);
         }
         filled += count.saturating_sub(rows.len());
@@ -346,7 +344,7 @@ fn resample(
 }
 
 fn place(t: &[f64], at: usize, time: f64, step: f64) -> Point {
-    let on = |row: usize| Point { row, part: 0.0, held: row, measured: Some(row) };
+    let on = |row: usize| Point { row, part: 0.0, held: row, nearer: row };
     let Some(next) = t.get(at + 1) else { return on(at) };
     let near = 1e-3 * step;
     if (time - next).abs() <= near {
@@ -358,7 +356,7 @@ fn place(t: &[f64], at: usize, time: f64, step: f64) -> Point {
     let part = ((time - t[at]) / (next - t[at])).clamp(0.0, 1.0);
     let is_missing = next - t[at] > MISSING * step;
     let nearer = if part > 0.5 { at + 1 } else { at };
-    Point { row: at, part, held: if is_missing { at } else { nearer }, measured: Some(nearer) }
+    Point { row: at, part, held: if is_missing { at } else { nearer }, nearer }
 }
 
 fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHold) {
@@ -374,7 +372,7 @@ fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHo
             }
             // what stands between an old reading and a new one was never measured
             if is_output && (is_stale(point.row) || is_stale(point.row + 1)) {
-                return old[point.measured.unwrap_or(point.row)];
+                return old[if is_stale(point.nearer) { point.row } else { point.nearer }];
             }
             let value = old[point.row];
             match old.get(point.row + 1) {
@@ -384,7 +382,7 @@ fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHo
         };
         signal.values = points.iter().map(on_grid).collect();
     }
-    let stale: Vec<bool> = points.iter().map(|point| point.measured.is_none()).collect();
+    let stale: Vec<bool> = points.iter().map(|point| is_stale(point.nearer)).collect();
     table.stale = if stale.contains(&true) { stale } else { Vec::new() };
     let rows = || points.iter().map(|point| point.row);
     if !table.labels.is_empty() {

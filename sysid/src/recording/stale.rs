@@ -32,8 +32,8 @@ struct Slow {
 
 /// For every row, whether no output is new in it; empty where all are. Tells which are slower than the log of `step` s.
 pub(super) fn rows(table: &Table, step: f64, notes: &mut Vec<Note>) -> Vec<bool> {
-    let outputs = || table.signals.iter().filter(|s| matches!(s.source.role, Role::Q | Role::Theta));
-    let slow: Vec<(&Signal, Option<Slow>)> = outputs().map(|signal| (signal, slow(&signal.values))).collect();
+    let outputs = table.signals.iter().filter(|s| matches!(s.source.role, Role::Q | Role::Theta));
+    let slow: Vec<(&Signal, Option<Slow>)> = outputs.map(|signal| (signal, slow(&signal.values))).collect();
     let all = slow.iter().all(|(_, slow)| slow.is_some());
     for (signal, slow) in slow.iter().filter_map(|(signal, slow)| Some((signal, slow.as_ref()?))) {
         let left_out = if all { "; rows in which no output is new do not count" } else { "" };
