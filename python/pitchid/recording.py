@@ -89,6 +89,11 @@ class Recording:
         """Where the supervisor overrode the excitation."""
         return np.asarray(self._native.supervised, dtype=bool)
 
+    @property
+    def unmeasured(self) -> np.ndarray:
+        """Where neither rate nor angle was measured: the row was filled, or repeats an older reading."""
+        return np.asarray(self._native.unmeasured, dtype=bool)
+
     def labels(self) -> np.ndarray:
         """The section of each row, ``-`` between them."""
         labels = np.full(len(self), "-", dtype=object)
@@ -107,7 +112,8 @@ class Recording:
         return {name: self[name] for name in self.columns}
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A table with a row for each sample: the columns, ``section`` where there are any, ``supervised`` where it is ever set.
+        """A table with a row for each sample: the columns, ``section`` where there are any, ``supervised`` and ``unmeasured``
+        where they are ever set.
 
         Returns
         -------
@@ -120,6 +126,8 @@ class Recording:
             table["section"] = pandas.Categorical(self.labels())
         if self.supervised.any():
             table["supervised"] = self.supervised
+        if self.unmeasured.any():
+            table["unmeasured"] = self.unmeasured
         return pandas.DataFrame(table)
 
     def to_csv(self, path: Path) -> None:
@@ -150,7 +158,7 @@ class Recording:
         ----------
         columns : mapping of str to array
             The columns by their names in the format: ``t_s``, an input (``u_rad``, ``u_norm``, ...), ``q_rad_s`` and/or
-            ``theta_rad``; beside them any other of the format, ``section`` as texts and ``supervised`` as 0 or 1. NaN says
+            ``theta_rad``; beside them any other of the format, ``section`` as texts, ``supervised`` and ``unmeasured`` as 0 or 1. NaN says
             that nothing was measured. Arrays of float64 are copied once, into the engine.
         name : str
             What messages call it.

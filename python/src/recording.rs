@@ -62,6 +62,13 @@ impl Recording {
     fn supervised(&self) -> Vec<bool> {
         self.get().supervised.clone()
     }
+    /// Rows in which neither rate nor angle was measured.
+    #[getter]
+    fn unmeasured(&self) -> Vec<bool> {
+        let mut rows = self.get().unmeasured.clone();
+        rows.resize(self.get().len(), false);
+        rows
+    }
 
     fn __len__(&self) -> usize {
         self.get().len()

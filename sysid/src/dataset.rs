@@ -45,8 +45,8 @@ pub struct Run {
     pub beside: Beside,
     /// Where the supervisor overrode the excitation.
     pub supervised: Vec<bool>,
-    /// Rows that repeat the last reading of a slower sensor; empty where there are none.
-    pub stale: Vec<bool>,
+    /// Rows in which neither rate nor angle was measured; empty where there are none.
+    pub unmeasured: Vec<bool>,
     /// Sections, and the rows of this run that they cover.
     pub sections: Vec<(String, Range<usize>)>,
 }
@@ -62,12 +62,12 @@ impl Run {
     }
     /// Whether something was measured in row `k`.
     pub fn is_measured(&self, k: usize) -> bool {
-        self.stale.get(k) != Some(&true)
+        self.unmeasured.get(k) != Some(&true)
     }
     /// Rows in which something was measured once, in the mean.
     pub fn measured_every(&self) -> usize {
-        let stale = self.stale.iter().filter(|stale| **stale).count();
-        (self.len() as f64 / (self.len() - stale).max(1) as f64).round() as usize
+        let unmeasured = self.unmeasured.iter().filter(|unmeasured| **unmeasured).count();
+        (self.len() as f64 / (self.len() - unmeasured).max(1) as f64).round() as usize
     }
     /// Time stamp of row `k`, s, by the clock of the file.
     pub fn time(&self, k: usize) -> f64 {
@@ -241,7 +241,7 @@ impl Dataset {
                         voltage: relative(recording.battery.as_deref().map(cut), voltage),
                     },
                     supervised: recording.supervised[segment.clone()].to_vec(),
-                    stale: recording.stale.get(segment.clone()).unwrap_or_default().to_vec(),
+                    unmeasured: recording.unmeasured.get(segment.clone()).unwrap_or_default().to_vec(),
                     sections: sections_within(recording, segment, (recordings.len() > 1).then_some(index)),
                 });
             }
@@ -333,7 +333,7 @@ impl Dataset {
     /// Those of `values`, row by row of `place`, where something was measured.
     pub fn where_measured<'v>(&self, place: &Place, values: &'v [f64]) -> Cow<'v, [f64]> {
         let run = &self.runs[place.run];
-        if run.stale.is_empty() {
+        if run.unmeasured.is_empty() {
             return Cow::Borrowed(values);
         }
         let rows = place.rows.clone().zip(values);

@@ -39,7 +39,7 @@ fn run(u: Vec<f64>) -> Run {
         rate_limit: f64::INFINITY,
         beside: Default::default(),
         supervised: vec![false; u.len()],
-        stale: Vec::new(),
+        unmeasured: Vec::new(),
         sections: Vec::new(),
         u,
     }

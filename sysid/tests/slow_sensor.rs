@@ -49,7 +49,10 @@ fn a_pendulum_read_in_every_seventh_row_has_its_own_delay_and_not_the_sensors() 
     for (seed, every) in [(1, 4), (2, 7)] {
         let recording = logged(seed, every, |u, q, theta| 12.0 * u - 0.9 * q - 20.0 * theta.sin());
         let told = recording.notes.iter().any(|note| note.kind == NoteKind::Repeated);
-        assert!(told && recording.stale.iter().filter(|stale| !**stale).count() <= 2000 / every + 20);
+        assert!(
+            told && recording.unmeasured.iter().filter(|unmeasured| !**unmeasured).count()
+                <= 2000 / every + 20
+        );
         let answer = diagnosed(recording);
         assert_eq!(answer.verdict, Verdict::Named, "{}", answer.summary);
         assert_eq!(answer.effects[0].id, "gravity_stiffness");

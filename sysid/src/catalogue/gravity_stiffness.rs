@@ -28,14 +28,14 @@ impl Effect for GravityStiffness {
     }
     fn parameters(&self, data: &Amplitudes) -> Vec<Parameter> {
         let most = STIFFEST * data.inertia;
-        let stiffness = stiffness("G", "N m", data);
+        let stiffness = stiffness("G", "N m", &within_a_turn(data));
         let [lower, upper] = [stiffness.lower, stiffness.upper].map(|bound| bound.clamp(-most, most));
         vec![Parameter { lower, upper, ..stiffness }]
     }
     fn starts(&self, data: &Amplitudes) -> Vec<Vec<f64>> {
         let most = STIFFEST * data.inertia;
         let within = |(start, share): (Vec<f64>, f64)| vec![start[0].min(share * most)];
-        starts_of_stiffness(data).into_iter().zip([0.3, 0.7]).map(within).collect()
+        starts_of_stiffness(&within_a_turn(data)).into_iter().zip([0.3, 0.7]).map(within).collect()
     }
     fn within_sample(&self) -> bool {
         true
@@ -43,6 +43,11 @@ impl Effect for GravityStiffness {
     fn moment(&self, p: &[f64], _s: &[f64], _q: f64, theta: f64, _at: &Conditions) -> f64 {
         -p[0] * theta.sin()
     }
+}
+
+/// Of a body that turns over, gravity sees no more than the sine of its angle.
+fn within_a_turn(data: &Amplitudes) -> Amplitudes {
+    Amplitudes { theta: data.theta.min(1.0), ..*data }
 }
 
 /// A stiffness of either sign, by the moments that act over the angle.

@@ -23,7 +23,8 @@ impl Dataset {
         let rates: Vec<Vec<f64>> = self.runs.iter().map(Run::rate_or_slope).collect();
         // between readings that come once in several rows nothing can be averaged
         let few_are_new = self.runs.iter().any(|run| {
-            (run.stale.iter().filter(|stale| **stale).count() as f64) > MOST_STALE * run.len() as f64
+            (run.unmeasured.iter().filter(|unmeasured| **unmeasured).count() as f64)
+                > MOST_STALE * run.len() as f64
         });
         let most = if few_are_new { 1 } else { (THINNED_STEP / step + 1e-6) as usize };
         let enough = (decorrelation(&rates) / SAMPLES_PER_DECORRELATION).min(most).max(1);
@@ -114,8 +115,8 @@ impl Run {
             supervised: (0..blocks)
                 .map(|b| self.supervised[b * factor..(b + 1) * factor].contains(&true))
                 .collect(),
-            stale: if self.stale.contains(&true) {
-                self.stale.chunks_exact(factor).take(blocks).map(|rows| !rows.contains(&false)).collect()
+            unmeasured: if self.unmeasured.contains(&true) {
+                self.unmeasured.chunks_exact(factor).take(blocks).map(|rows| !rows.contains(&false)).collect()
             } else {
                 Vec::new()
             },

@@ -76,7 +76,7 @@ fn cut(run: &Run, rows: Range<usize>) -> Run {
             voltage: of(&beside.voltage),
         },
         supervised: run.supervised[rows.clone()].to_vec(),
-        stale: run.stale.get(rows.clone()).unwrap_or_default().to_vec(),
+        unmeasured: run.unmeasured.get(rows.clone()).unwrap_or_default().to_vec(),
         sections: Vec::new(),
         ..*run
     }

@@ -113,7 +113,7 @@ fn fly(
         rate_limit: f64::INFINITY,
         beside: Default::default(),
         supervised: vec![false; count],
-        stale: Vec::new(),
+        unmeasured: Vec::new(),
         sections: Vec::new(),
         u: excitation,
         between: None,

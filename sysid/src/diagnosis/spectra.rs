@@ -137,7 +137,7 @@ pub fn at_rest(whole: &Run, u: Vec<f64>) -> Run {
         rate_limit: f64::INFINITY,
         beside: Beside::default(),
         supervised: vec![false; rows],
-        stale: Vec::new(),
+        unmeasured: Vec::new(),
         sections: Vec::new(),
         recording: whole.recording,
         step: whole.step,

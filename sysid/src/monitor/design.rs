@@ -146,7 +146,7 @@ fn predictor(
 ) -> Option<(MonitorModel, [usize; 2], f64)> {
     let pitch = problem.model(unpacked, run.step)?;
     // the board has a reading in each row
-    let run = &Run { stale: Vec::new(), ..run.clone() };
+    let run = &Run { unmeasured: Vec::new(), ..run.clone() };
     let gains = pitch.gain(&unpacked.disturbance, run)?;
     let innovation = pitch.innovation_filter(&gains, run);
     let n = innovation.transition.nrows();

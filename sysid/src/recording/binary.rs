@@ -135,10 +135,7 @@ impl Recording {
 
     fn write_table(&self, out: impl Write + Send) -> Result<(), ParquetError> {
         let columns = self.number_columns();
-        let flags: Option<Vec<f64>> = self
-            .supervised
-            .contains(&true)
-            .then(|| self.supervised.iter().map(|&flag| f64::from(u8::from(flag))).collect());
+        let flags = self.flags_as_numbers();
         let labels = self.row_labels();
         let field = |name: &str, physical: Physical, logical: Option<LogicalType>| {
             let of_rows = Type::primitive_type_builder(name, physical).with_repetition(Repetition::REQUIRED);
@@ -147,7 +144,7 @@ impl Recording {
         let mut fields = columns
             .iter()
             .map(|(name, _)| field(name, Physical::DOUBLE, None))
-            .chain(flags.iter().map(|_| field("supervised", Physical::DOUBLE, None)))
+            .chain(flags.iter().map(|(name, _)| field(name, Physical::DOUBLE, None)))
             .collect::<Result<Vec<_>, _>>()?;
         if labels.is_some() {
             fields.push(field("section", Physical::BYTE_ARRAY, Some(LogicalType::String))?);
@@ -158,7 +155,9 @@ impl Recording {
         let mut writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))?;
         let mut rows = writer.next_row_group()?;
         let missing = || ParquetError::General("a column is missing".into());
-        for values in columns.iter().map(|(_, values)| *values).chain(flags.as_deref()) {
+        for values in
+            columns.iter().map(|(_, values)| *values).chain(flags.iter().map(|(_, values)| values.as_slice()))
+        {
             let mut column = rows.next_column()?.ok_or_else(missing)?;
             column.typed::<DoubleType>().write_batch(values, None, None)?;
             column.close()?;

@@ -90,7 +90,9 @@ pub(super) fn onto_grid(
     } else {
         snap(&mut table.t, &stretches, step, jitter, notes);
     }
-    table.stale = stale::rows(table, step, notes);
+    if table.unmeasured.is_empty() {
+        table.unmeasured = stale::rows(table, step, notes);
+    }
     let segments = resample(table, &stretches, step, varying, options.input_hold, notes);
     Ok(Grid { step, segments })
 }
@@ -298,6 +300,8 @@ struct Point {
     held: usize,
     /// The nearer row.
     nearer: usize,
+    /// Whether rows are missing there, and none was measured within half a step.
+    is_filled: bool,
 }
 
 /// Lays the grid over every stretch and moves the table onto it; returns the stretches' new rows.
@@ -344,7 +348,7 @@ fn resample(
 }
 
 fn place(t: &[f64], at: usize, time: f64, step: f64) -> Point {
-    let on = |row: usize| Point { row, part: 0.0, held: row, nearer: row };
+    let on = |row: usize| Point { row, part: 0.0, held: row, nearer: row, is_filled: false };
     let Some(next) = t.get(at + 1) else { return on(at) };
     let near = 1e-3 * step;
     if (time - next).abs() <= near {
@@ -356,11 +360,12 @@ fn place(t: &[f64], at: usize, time: f64, step: f64) -> Point {
     let part = ((time - t[at]) / (next - t[at])).clamp(0.0, 1.0);
     let is_missing = next - t[at] > MISSING * step;
     let nearer = if part > 0.5 { at + 1 } else { at };
-    Point { row: at, part, held: if is_missing { at } else { nearer }, nearer }
+    let is_filled = is_missing && part.min(1.0 - part) * (next - t[at]) > 0.5 * step;
+    Point { row: at, part, held: if is_missing { at } else { nearer }, nearer, is_filled }
 }
 
 fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHold) {
-    let is_stale = |row: usize| table.stale.get(row) == Some(&true);
+    let is_stale = |row: usize| table.unmeasured.get(row) == Some(&true);
     for signal in &mut table.signals {
         let old = &signal.values;
         let held = signal.source.role.is_held()
@@ -382,8 +387,9 @@ fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHo
         };
         signal.values = points.iter().map(on_grid).collect();
     }
-    let stale: Vec<bool> = points.iter().map(|point| is_stale(point.nearer)).collect();
-    table.stale = if stale.contains(&true) { stale } else { Vec::new() };
+    let unmeasured: Vec<bool> =
+        points.iter().map(|point| point.is_filled || is_stale(point.nearer)).collect();
+    table.unmeasured = if unmeasured.contains(&true) { unmeasured } else { Vec::new() };
     let rows = || points.iter().map(|point| point.row);
     if !table.labels.is_empty() {
         table.labels = rows().map(|row| table.labels[row]).collect();

@@ -4,7 +4,7 @@
 pub const INPUT_UNITS: [&str; 8] = ["rad", "deg", "pct", "V", "A", "N_m", "N", "norm"];
 
 /// Names a file may use, in the order of the format's table.
-pub const KNOWN_COLUMNS: [&str; 34] = [
+pub const KNOWN_COLUMNS: [&str; 35] = [
     "t_s",
     "u_rad",
     "u_deg",
@@ -21,6 +21,7 @@ pub const KNOWN_COLUMNS: [&str; 34] = [
     "qdot_rad_s2",
     "section",
     "supervised",
+    "unmeasured",
     "theta_ref_rad",
     "theta_ref_deg",
     "p_rad_s",
@@ -150,6 +151,7 @@ pub(super) enum Role {
     Battery,
     Section,
     Supervised,
+    Unmeasured,
 }
 
 impl Role {
@@ -191,6 +193,7 @@ impl Role {
             "battery_v" => (Self::Battery, 1.0),
             "section" => (Self::Section, 1.0),
             "supervised" => (Self::Supervised, 1.0),
+            "unmeasured" => (Self::Unmeasured, 1.0),
             _ => return None,
         })
     }
@@ -212,6 +215,15 @@ impl Role {
             Self::Battery => "battery_v",
             Self::Section => "section",
             Self::Supervised => "supervised",
+            Self::Unmeasured => "unmeasured",
+        }
+    }
+
+    /// Where a flag is set, as advice.
+    pub(super) fn set_where(self) -> &'static str {
+        match self {
+            Self::Unmeasured => "write 1 where neither rate nor angle was measured in the row",
+            _ => "write 1 where the supervisor overrode the excitation",
         }
     }
 
@@ -238,7 +250,8 @@ impl Role {
 
     /// Commands and flags keep their value until the next sample; measured signals run straight between samples.
     pub(super) fn is_held(self) -> bool {
-        self.is_command() || matches!(self, Self::ThetaRef | Self::Section | Self::Supervised)
+        self.is_command()
+            || matches!(self, Self::ThetaRef | Self::Section | Self::Supervised | Self::Unmeasured)
     }
 }
 

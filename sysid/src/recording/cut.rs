@@ -30,8 +30,8 @@ impl Recording {
         self.sections = self.sections.iter().filter_map(section).collect();
         self.segments = segments;
         self.supervised = self.supervised[rows.clone()].to_vec();
-        if !self.stale.is_empty() {
-            self.stale = self.stale[rows.clone()].to_vec();
+        if !self.unmeasured.is_empty() {
+            self.unmeasured = self.unmeasured[rows.clone()].to_vec();
         }
         let signals = [
             &mut self.q,

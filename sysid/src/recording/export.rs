@@ -1,5 +1,6 @@
 //! Recordings for MATLAB and for numpy: the columns as each of them keeps tables.
 
+use std::borrow::Cow;
 use std::io::Write;
 
 use super::Recording;
@@ -17,22 +18,19 @@ const CLASS_DOUBLE: u32 = 6;
 
 /// A column of numbers, or of labels.
 enum Column<'a> {
-    Numbers(&'a [f64]),
+    Numbers(Cow<'a, [f64]>),
     Labels(Vec<&'a str>),
 }
 
 impl Recording {
     /// The columns of [`Self::write_csv`].
-    fn all_columns<'a>(&'a self, flags: &'a [f64]) -> Vec<(&'a str, Column<'a>)> {
-        let numbers = self.number_columns().into_iter().map(|(name, values)| (name, Column::Numbers(values)));
-        let supervised = (!flags.is_empty()).then_some(("supervised", Column::Numbers(flags)));
+    fn all_columns(&self) -> Vec<(&str, Column<'_>)> {
+        let numbers =
+            self.number_columns().into_iter().map(|(name, values)| (name, Column::Numbers(values.into())));
+        let flags = self.flags_as_numbers().into_iter();
+        let flags = flags.map(|(name, values)| (name, Column::Numbers(values.into())));
         let labels = self.row_labels().map(|labels| ("section", Column::Labels(labels)));
-        numbers.chain(supervised).chain(labels).collect()
-    }
-
-    fn flags(&self) -> Vec<f64> {
-        let any = self.supervised.contains(&true);
-        self.supervised.iter().filter(|_| any).map(|&flag| f64::from(u8::from(flag))).collect()
+        numbers.chain(flags).chain(labels).collect()
     }
 
     /// Writes a MATLAB file (level 5): a vector for each column of [`Self::write_csv`], `section` as rows of text.
@@ -40,12 +38,11 @@ impl Recording {
     /// # Errors
     /// What the writer reports.
     pub fn write_matlab(&self, mut out: impl Write) -> Result<(), Error> {
-        let flags = self.flags();
         let mut file = b"MATLAB 5.0 MAT-file, a recording of pitchid".to_vec();
         file.resize(124, b' ');
         // version, and the order of the bytes
         file.extend([0x00, 0x01, b'I', b'M']);
-        for (name, column) in self.all_columns(&flags) {
+        for (name, column) in self.all_columns() {
             let mut matrix = Vec::new();
             let (class, columns) = match &column {
                 Column::Numbers(_) => (CLASS_DOUBLE, 1),
@@ -74,8 +71,7 @@ impl Recording {
     /// # Errors
     /// What the writer reports.
     pub fn write_numpy(&self, mut out: impl Write) -> Result<(), Error> {
-        let flags = self.flags();
-        let columns = self.all_columns(&flags);
+        let columns = self.all_columns();
         let kind = |column: &Column<'_>| match column {
             Column::Numbers(_) => "<f8".to_owned(),
             Column::Labels(labels) => format!("<U{}", widest(labels)),

@@ -70,6 +70,9 @@ fn table(
             Role::Supervised => {
                 table.supervised = flags(&source, &worked(&source, &mut columns, &mut uses)?)?;
             }
+            Role::Unmeasured => {
+                table.unmeasured = flags(&source, &worked(&source, &mut columns, &mut uses)?)?;
+            }
             Role::Time => {
                 table.t = worked(&source, &mut columns, &mut uses)?;
                 checked(&source, &table.t, LARGEST_TIME)?;
@@ -146,7 +149,7 @@ fn flags(source: &Source, values: &[f64]) -> Result<Vec<bool>, Error> {
             0.0 => false,
             _ if value.is_nan() => before,
             _ => {
-                let advice = "write 1 where the supervisor overrode the excitation, else 0";
+                let advice = format!("{}, else 0", source.role.set_where());
                 let error = Error::new(ErrorKind::Value, format!("found {value} in row {}", row + 1), advice);
                 return Err(error.in_column(source.name.as_str()).expecting("0 or 1"));
             }

@@ -86,8 +86,9 @@ pub struct Recording {
     pub battery: Option<Vec<f64>>,
     /// Where the supervisor overrode the excitation; all false without the column.
     pub supervised: Vec<bool>,
-    /// Rows that repeat the last reading of a slower sensor; empty where there are none.
-    pub stale: Vec<bool>,
+    /// Rows in which neither rate nor angle was measured: they were missing and are filled, or repeat the last reading of a slower
+    /// sensor. Empty where there are none.
+    pub unmeasured: Vec<bool>,
     /// Named stretches in order of time, each inside one segment; rows labelled `-` belong to none.
     pub sections: Vec<Section>,
     /// Stretches without a gap: they cover all rows but those on the ground.
@@ -283,7 +284,7 @@ fn on_grid(
         thrust: take(Role::Thrust),
         battery: take(Role::Battery),
         supervised: if table.supervised.is_empty() { vec![false; table.t.len()] } else { table.supervised },
-        stale: table.stale,
+        unmeasured: if table.unmeasured.contains(&true) { table.unmeasured } else { Vec::new() },
         t: table.t,
         sections,
         segments: grid.segments,

@@ -36,8 +36,8 @@ pub(super) struct Table {
     pub(super) label_names: Vec<String>,
     /// Empty without a `supervised` column.
     pub(super) supervised: Vec<bool>,
-    /// Rows in which no output is new; empty where all are.
-    pub(super) stale: Vec<bool>,
+    /// Rows in which no output was measured; empty where all were.
+    pub(super) unmeasured: Vec<bool>,
     /// Line of the file of each row; empty where the rows come from no file of lines.
     pub(super) lines: Vec<u32>,
 }
@@ -51,7 +51,7 @@ impl Default for Table {
             labels: Vec::new(),
             label_names: Vec::new(),
             supervised: Vec::new(),
-            stale: Vec::new(),
+            unmeasured: Vec::new(),
             lines: Vec::new(),
         }
     }
@@ -92,6 +92,7 @@ impl Table {
         remove_rows(&mut self.lines, rows);
         remove_rows(&mut self.labels, rows);
         remove_rows(&mut self.supervised, rows);
+        remove_rows(&mut self.unmeasured, rows);
         self.signals.iter_mut().for_each(|signal| remove_rows(&mut signal.values, rows));
     }
 }
@@ -177,7 +178,8 @@ struct Filler {
     header: Vec<String>,
     table: Table,
     section: Option<Source>,
-    supervised: Option<Source>,
+    /// The columns of flags: `supervised`, `unmeasured`.
+    flags: [Option<Source>; 2],
     label_of: BTreeMap<String, u32>,
     /// Whether time stands as the time of day: as in the first row that has one.
     of_day: Option<bool>,
@@ -185,17 +187,18 @@ struct Filler {
 
 impl Filler {
     fn new(header: Vec<String>, sources: Vec<Source>, rows: usize) -> Self {
-        let (mut section, mut supervised) = (None, None);
+        let (mut section, mut flags) = (None, [None, None]);
         let mut table = Table::default();
         for source in sources {
             match source.role {
                 Role::Time => table.time = source,
                 Role::Section => section = Some(source),
-                Role::Supervised => supervised = Some(source),
+                Role::Supervised => flags[0] = Some(source),
+                Role::Unmeasured => flags[1] = Some(source),
                 _ => table.signals.push(Signal { source, values: Vec::with_capacity(rows) }),
             }
         }
-        Self { header, table, section, supervised, label_of: BTreeMap::new(), of_day: None }
+        Self { header, table, section, flags, label_of: BTreeMap::new(), of_day: None }
     }
 
     /// The row at `place` among those that were logged, in this line.
@@ -219,9 +222,10 @@ impl Filler {
         for signal in &mut table.signals {
             signal.values.push(take(&signal.source, LARGEST_VALUE));
         }
-        if let Some(source) = &self.supervised {
-            let before = table.supervised.last().copied().unwrap_or(false);
-            table.supervised.push(flag(row, source, before).unwrap_or_else(|error| {
+        for (source, flags) in self.flags.iter().zip([&mut table.supervised, &mut table.unmeasured]) {
+            let Some(source) = source else { continue };
+            let before = flags.last().copied().unwrap_or(false);
+            flags.push(flag(row, source, before).unwrap_or_else(|error| {
                 wrong.add(error, line);
                 before
             }));
@@ -319,13 +323,11 @@ fn flag(row: &Splitter, source: &Source, before: bool) -> Result<bool, Error> {
         _ => match cell.parse::<f64>() {
             Ok(0.0) => Ok(false),
             Ok(1.0) => Ok(true),
-            _ => Err(Error::new(
-                ErrorKind::Value,
-                format!("found {}", quote(cell)),
-                "write 1 where the supervisor overrode the excitation, else 0; or delete the column",
-            )
-            .in_column(source.name.as_str())
-            .expecting("0 or 1")),
+            _ => {
+                let advice = format!("{}, else 0; or delete the column", source.role.set_where());
+                let error = Error::new(ErrorKind::Value, format!("found {}", quote(cell)), advice);
+                Err(error.in_column(source.name.as_str()).expecting("0 or 1"))
+            }
         },
     }
 }

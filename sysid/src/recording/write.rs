@@ -8,7 +8,7 @@ use crate::error::Error;
 impl Recording {
     /// Writes the CSV format; every number is the shortest text that reads back to the same value.
     /// Rows outside all sections get the label `-`; the `section` column is left out where the file named none, the
-    /// `supervised` column where it is all 0. Columns that were ignored and notes are not written.
+    /// `supervised` and the `unmeasured` column where it is all 0. Columns that were ignored and notes are not written.
     ///
     /// # Errors
     /// What the writer reports.
@@ -39,14 +39,14 @@ impl Recording {
     fn write_rows(&self, out: impl Write) -> std::io::Result<()> {
         let columns = self.number_columns();
         let labels = self.row_labels();
-        let supervised = self.supervised.contains(&true);
+        let flags = self.flags();
 
         let mut writer = csv::Writer::from_writer(out);
         for (name, _) in &columns {
             writer.write_field(name)?;
         }
-        let named = [("section", labels.is_some()), ("supervised", supervised)];
-        writer.write_record(named.iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name))?;
+        let section = labels.as_ref().map(|_| "section");
+        writer.write_record(section.into_iter().chain(flags.iter().map(|(name, _)| *name)))?;
         let mut cell = String::new();
         for row in 0..self.t.len() {
             for (_, values) in &columns {
@@ -56,10 +56,22 @@ impl Recording {
                 writer.write_field(&cell)?;
             }
             let label = labels.as_ref().map(|labels| labels[row]);
-            let flag = supervised.then(|| if self.supervised[row] { "1" } else { "0" });
-            writer.write_record(label.into_iter().chain(flag))?;
+            let flags = flags.iter().map(|(_, set)| if set[row] { "1" } else { "0" });
+            writer.write_record(label.into_iter().chain(flags))?;
         }
         writer.flush()
+    }
+
+    /// The columns of flags that are set in any row.
+    pub(super) fn flags(&self) -> Vec<(&'static str, &[bool])> {
+        let flags = [("supervised", self.supervised.as_slice()), ("unmeasured", self.unmeasured.as_slice())];
+        flags.into_iter().filter(|(_, set)| set.contains(&true)).collect()
+    }
+
+    /// The same, 1 where they are set and else 0.
+    pub(super) fn flags_as_numbers(&self) -> Vec<(&'static str, Vec<f64>)> {
+        let number = |set: &[bool]| set.iter().map(|&set| f64::from(u8::from(set))).collect();
+        self.flags().into_iter().map(|(name, set)| (name, number(set))).collect()
     }
 
     /// Name of the column of the roll axis' command.

@@ -40,7 +40,7 @@ impl Piece {
             rate_limit: f64::INFINITY,
             beside: Beside::default(),
             supervised: vec![false; all],
-            stale: Vec::new(),
+            unmeasured: Vec::new(),
             sections: Vec::new(),
         };
         let y = recording.theta.as_deref().unwrap_or_default();

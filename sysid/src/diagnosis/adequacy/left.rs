@@ -34,13 +34,13 @@ pub struct Stretch {
     /// Which rows count.
     pub counted: Vec<bool>,
     /// Rows that repeat the last reading; empty where there are none.
-    pub stale: Vec<bool>,
+    pub unmeasured: Vec<bool>,
 }
 
 impl Stretch {
     /// Whether something was measured in row `k`.
     pub fn is_measured(&self, k: usize) -> bool {
-        self.stale.get(k) != Some(&true)
+        self.unmeasured.get(k) != Some(&true)
     }
 }
 
@@ -67,9 +67,9 @@ impl Left {
     /// Rows from one counted row to the next, in the mean, where a sensor is slower than the log.
     pub fn rows_per_reading(&self) -> f64 {
         let rows: usize = self.stretches.iter().map(|stretch| stretch.counted.len()).sum();
-        let stale: usize =
-            self.stretches.iter().map(|stretch| stretch.stale.iter().filter(|stale| **stale).count()).sum();
-        rows as f64 / (rows - stale).max(1) as f64
+        let of = |stretch: &Stretch| stretch.unmeasured.iter().filter(|unmeasured| **unmeasured).count();
+        let unmeasured: usize = self.stretches.iter().map(of).sum();
+        rows as f64 / (rows - unmeasured).max(1) as f64
     }
 
     /// Of `fit`. `None` where it has no finite innovations or derivatives.
@@ -146,7 +146,12 @@ fn stretches(problem: &Problem<'_>, fit: &Fit) -> Option<Vec<Stretch>> {
         let model = problem.model(&unpacked, run.step)?;
         let filter = model.innovation_filter(&model.gain(&unpacked.disturbance, run)?, run);
         let known = Vec::with_capacity(run.len());
-        stretches.push(Stretch { filter, known, counted: counted.clone(), stale: run.stale.clone() });
+        stretches.push(Stretch {
+            filter,
+            known,
+            counted: counted.clone(),
+            unmeasured: run.unmeasured.clone(),
+        });
     }
     let recent = (RECENT_S / sizes.step).ceil() as usize;
     problem.track(

@@ -66,7 +66,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         rate_limit: f64::INFINITY,
         beside: Default::default(),
         supervised: Vec::new(),
-        stale: Vec::new(),
+        unmeasured: Vec::new(),
         sections: Vec::new(),
     };
     let model = PitchModel::new(&PLANT, &[], &BACKGROUND, STEP, &sizes).unwrap();
@@ -116,7 +116,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         slope
     };
     let slopes = vec![slope(0), slope(1)];
-    let stretches = vec![Stretch { filter, known, counted: vec![true; rows], stale: Vec::new() }];
+    let stretches = vec![Stretch { filter, known, counted: vec![true; rows], unmeasured: Vec::new() }];
     Left { channels: 2, errors, slopes, whitening, stretches, step: STEP, duration: sizes.duration }
 }
 
