@@ -46,5 +46,5 @@ fn exact_norm_of_order_3(bencher: Bencher) {
 #[divan::bench]
 fn to_continuous_time_of_order_3(bencher: Bencher) {
     let sampled = identified().and_then(|g| g.sampled(0.02).ok());
-    bencher.bench_local(|| sampled.as_ref().map(|model| to_continuous(black_box(model))));
+    bencher.bench_local(|| sampled.as_ref().map(|model| to_continuous(black_box(model), true)));
 }

@@ -79,7 +79,7 @@ fn the_grey_box_is_found_in_its_own_response() {
 
 #[test]
 fn no_neighbour_is_better_and_the_norm_is_that_of_a_dense_grid() {
-    let identified = to_continuous(&lag(40.0, 2.2, 0.06).sampled(0.02).unwrap()).unwrap();
+    let identified = to_continuous(&lag(40.0, 2.2, 0.06).sampled(0.02).unwrap(), true).unwrap();
     let target = ContinuousStateSpace::new(
         DMatrix::from_row_slice(2, 2, &[-2.2, 3.0, -3.0, -4.0]),
         DMatrix::from_column_slice(2, 1, &[80.0, 20.0]),
@@ -130,7 +130,8 @@ fn no_neighbour_is_better_and_the_norm_is_that_of_a_dense_grid() {
 fn the_reference_is_reached() {
     let Some(recordings) = campaign("nominal") else { return };
     let pieces: Vec<_> = recordings.iter().enumerate().map(|(run, r)| piece(r, "I", run)).collect();
-    let identified = to_continuous(&identify(&pieces, 3, 20, &Method::default()).unwrap().model).unwrap();
+    let identified =
+        to_continuous(&identify(&pieces, 3, 20, &Method::default()).unwrap().model, true).unwrap();
     for mount in [None, Some(&ANY_MOUNT)] {
         let found = hinf_match(&identified, &NOMINAL, &PAPER, mount).unwrap();
         let model = response(&found.plant).sampled(0.02).unwrap();
@@ -185,7 +186,7 @@ proptest! {
         let c = DMatrix::from_row_slice(1, 3, &[1.0, 0.0, 0.0]);
         let b = DMatrix::from_column_slice(3, 1, &b);
         let system = ContinuousStateSpace::new(a.clone(), b.clone(), c, DMatrix::zeros(1, 1), 0.04).unwrap();
-        let back = to_continuous(&system.sampled(0.02).unwrap()).unwrap();
+        let back = to_continuous(&system.sampled(0.02).unwrap(), true).unwrap();
         prop_assert!((back.a() - &a).amax() < 1e-8 * (1.0 + a.amax()), "{}", back.a() - &a);
         prop_assert!((back.b() - &b).amax() < 1e-8 * (1.0 + b.amax()), "{}", back.b() - &b);
         prop_assert!((back.delay() - 0.04).abs() < 1e-15);

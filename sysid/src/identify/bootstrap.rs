@@ -159,7 +159,9 @@ fn repeat(
     let plant = match &recipe.matched {
         None => None,
         Some((start, weight)) => {
-            Some(hinf_match(&to_continuous(&found).ok()?, start, weight, None).ok()?.plant)
+            let target = to_continuous(&found, recipe.method.held_input).ok()?;
+            let target = target.with_delay(start.delay.min(target.delay())).ok()?;
+            Some(hinf_match(&target, start, weight, None).ok()?.plant)
         }
     };
     Some((plant, response?))

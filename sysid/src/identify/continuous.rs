@@ -1,9 +1,12 @@
-//! Continuous-time state spaces, and the way between them and sampled models of a held input:
+//! Continuous-time state spaces, and the way between them and sampled models of a held or an interpolated input:
 //!
 //! ```text
 //! ẋ = A x + B u(t−τ),  y = C x + D u(t−τ)
 //! [Φ Γ; 0 I] = exp([A B; 0 0] T)          [A B; 0 0] = log([Φ Γ; 0 I]) / T
 //! ```
+//!
+//! With Ψ = ∫₀ᵀ e^As ds and R = ∫₀ᵀ e^A(T−s) s ds / T, a straight input between samples is Γ = Ψ² B / T and D + C R B in
+//! place of Γ = Ψ B and D (Franklin, Powell, Workman, Digital Control of Dynamic Systems, 3rd edition, section 6.3.2).
 //!
 //! The logarithm is taken by inverse scaling and squaring: square roots (Denman, Beavers, Applied Mathematics and
 //! Computation 2, 1976) until the matrix is within 1/4 of the identity, there the diagonal Padé approximant as partial
@@ -165,6 +168,35 @@ impl ContinuousStateSpace {
         left_singular(&real).and_then(|(_, values)| values.first().copied())
     }
 
+    /// The same response with a delay of `delay` s, no longer than its own: what is left of that becomes an all-pass,
+    /// (1 − s h/2)/(1 + s h/2) with h = τ − `delay`.
+    ///
+    /// # Errors
+    /// A delay that is negative or longer, more than one input or output.
+    pub fn with_delay(&self, delay: f64) -> Result<Self, Error> {
+        let (n, late) = (self.order(), self.delay - delay);
+        if self.d.len() != 1 || !(0.0..=self.delay).contains(&delay) {
+            let found = format!("a delay of {delay} s of a model with {} s", self.delay);
+            return Err(Error::new(
+                ErrorKind::Model,
+                found,
+                "give one no longer, of one input and one output",
+            ));
+        }
+        if late == 0.0 {
+            return Ok(self.clone());
+        }
+        // ẋ = −2/h x + 4/h u, v = x − u
+        let pole = 2.0 / late;
+        let mut a = DMatrix::zeros(n + 1, n + 1);
+        a.view_mut((0, 0), (n, n)).copy_from(&self.a);
+        a.view_mut((0, n), (n, 1)).copy_from(&self.b);
+        a[(n, n)] = -pole;
+        let b = (-&self.b).insert_row(n, 2.0 * pole);
+        let c = self.c.clone().insert_column(n, self.d[0]);
+        Self::new(a, b, c, -&self.d, delay)
+    }
+
     /// The model of the samples, T = `step` s, for an input held over each step; the delay is rounded to samples.
     ///
     /// # Errors
@@ -187,12 +219,12 @@ impl ContinuousStateSpace {
     }
 }
 
-/// The continuous-time model whose samples, with the input held, `model` describes.
+/// The continuous-time model whose samples, with the input `held` or else straight between them, `model` describes.
 ///
 /// # Errors
 /// A pole at zero or on the negative real axis, which has no real logarithm; poles so close to it that the result
 /// would not reproduce the model.
-pub fn to_continuous(model: &StateSpace) -> Result<ContinuousStateSpace, Error> {
+pub fn to_continuous(model: &StateSpace, held: bool) -> Result<ContinuousStateSpace, Error> {
     let n = model.order();
     if let Some(pole) = model.poles().iter().find(|pole| without_logarithm(pole)) {
         let kind = if pole.norm() < ZERO {
@@ -219,11 +251,28 @@ pub fn to_continuous(model: &StateSpace) -> Result<ContinuousStateSpace, Error> 
         return Err(inaccurate());
     }
     let step = model.step();
-    let a = whole.view((0, 0), (n, n)) / step;
-    let b = whole.view((0, n), (n, 1)) * (size / step);
+    let a: DMatrix<f64> = whole.view((0, 0), (n, n)) / step;
+    let mut b = whole.view((0, n), (n, 1)) * (size / step);
     let c = DMatrix::from_row_slice(1, n, model.c().transpose().as_slice());
-    let d = DMatrix::from_element(1, 1, model.d());
+    let mut d = DMatrix::from_element(1, 1, model.d());
+    if !held {
+        let [hold, ramp] = hold_and_ramp(&a, step);
+        b = hold.lu().solve(&(b * step)).ok_or_else(inaccurate)?;
+        d -= &c * ramp * &b;
+    }
     ContinuousStateSpace::new(a, b, c, d, model.delay_samples() as f64 * step)
+}
+
+/// Ψ and R of a step.
+fn hold_and_ramp(a: &DMatrix<f64>, step: f64) -> [DMatrix<f64>; 2] {
+    let n = a.nrows();
+    let mut block = DMatrix::zeros(3 * n, 3 * n);
+    block.view_mut((0, 0), (n, n)).copy_from(&(a * step));
+    for row in 0..2 * n {
+        block[(row, row + n)] = 1.0;
+    }
+    let whole = block.exp();
+    [n, 2 * n].map(|column| whole.view((0, column), (n, n)) * step)
 }
 
 /// Whether a sampled pole has no real logarithm.
@@ -297,7 +346,7 @@ mod tests {
         let sampled = lag.sampled(0.02).unwrap();
         assert!((sampled.a()[0] - (-0.06_f64).exp()).abs() < 1e-15 && sampled.delay_samples() == 3);
         assert!((sampled.b()[0] - 2.0 / 3.0 * (1.0 - (-0.06_f64).exp())).abs() < 1e-15);
-        let back = to_continuous(&sampled).unwrap();
+        let back = to_continuous(&sampled, true).unwrap();
         assert!((back.a()[0] + 3.0).abs() < 1e-12 && (back.b()[0] - 2.0).abs() < 1e-12);
         let expected = Complex::from(2.0) / Complex::new(3.0, 5.0) * Complex::cis(-0.3);
         assert!((back.frequency_response(5.0).unwrap()[0] - expected).norm() < 1e-12);
@@ -310,7 +359,7 @@ mod tests {
         let a = DMatrix::from_row_slice(2, 2, &[1.0, t, 0.0, 1.0]);
         let b = DVector::from_column_slice(&[0.5 * t * t, t]);
         let model = StateSpace::new(a, b, RowDVector::from_row_slice(&[1.0, 0.0]), 0.0, t, 0).unwrap();
-        let found = to_continuous(&model).unwrap();
+        let found = to_continuous(&model, true).unwrap();
         assert!((found.a() - DMatrix::from_row_slice(2, 2, &[0.0, 1.0, 0.0, 0.0])).amax() < 1e-9);
         assert!((found.b() - DMatrix::from_column_slice(2, 1, &[0.0, 1.0])).amax() < 1e-9);
     }
@@ -321,7 +370,7 @@ mod tests {
             let a = DMatrix::from_row_slice(2, 2, &[0.9, 0.1, 0.0, pole]);
             let c = RowDVector::from_row_slice(&[1.0, 0.0]);
             let b = DVector::from_column_slice(&[1.0, 1.0]);
-            let error = to_continuous(&StateSpace::new(a, b, c, 0.0, 0.02, 0).unwrap()).unwrap_err();
+            let error = to_continuous(&StateSpace::new(a, b, c, 0.0, 0.02, 0).unwrap(), true).unwrap_err();
             assert!(error.to_string().contains(word), "{error}");
         }
     }

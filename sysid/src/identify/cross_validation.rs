@@ -89,7 +89,7 @@ pub fn cross_validated(
         vafs.map(|vafs| vafs.iter().sum::<f64>() / vafs.len() as f64)
     };
     let scores: Vec<Option<f64>> = (0..whole.candidates.len()).map(score).collect();
-    choose(&whole.candidates, &scores, folds.len())
+    choose(&whole.candidates, &scores, folds.len(), method.held_input)
 }
 
 /// Σ (y − ȳ)² of each of `pieces` about its mean, summed.
@@ -122,7 +122,12 @@ fn folds<'a>(pieces: &[Piece<'a>]) -> Vec<(Vec<Piece<'a>>, Vec<Piece<'a>>)> {
     (0..count).map(|fold| (of(fold, false), of(fold, true))).collect()
 }
 
-fn choose(candidates: &[Candidate], scores: &[Option<f64>], folds: usize) -> Result<Chosen, Error> {
+fn choose(
+    candidates: &[Candidate],
+    scores: &[Option<f64>],
+    folds: usize,
+    held_input: bool,
+) -> Result<Chosen, Error> {
     let mut ranked: Vec<(usize, f64)> =
         scores.iter().enumerate().filter_map(|(cell, score)| Some((cell, (*score)?))).collect();
     // a stable sort: of equals the lowest order
@@ -136,7 +141,11 @@ fn choose(candidates: &[Candidate], scores: &[Option<f64>], folds: usize) -> Res
     let model = chosen.model.clone().ok_or_else(none)?;
     let continuous = ranked.iter().find_map(|(cell, _)| {
         let candidate = &candidates[*cell];
-        Some((to_continuous(candidate.model.as_ref()?).ok()?, candidate.order, candidate.block_size))
+        Some((
+            to_continuous(candidate.model.as_ref()?, held_input).ok()?,
+            candidate.order,
+            candidate.block_size,
+        ))
     });
     let equals: Vec<&Candidate> =
         ranked.iter().filter(|(_, v)| *v >= vaf - AS_GOOD).map(|(cell, _)| &candidates[*cell]).collect();

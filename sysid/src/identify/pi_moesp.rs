@@ -23,7 +23,6 @@
 //! Identification of the deterministic part of MIMO state space models, Automatica 30, 1994 (PO-MOESP).
 
 use super::block_hankel::{Correlations, Instruments, Stretch, columns, stretches, transposed};
-use super::continuous::{ContinuousStateSpace, to_continuous};
 use super::fir::{Piece, common_step};
 use super::input_fit::{HIGHEST_ORDER, free_run_squares, input_matrices};
 use crate::error::{Error, ErrorKind};
@@ -55,15 +54,24 @@ pub struct Method {
     pub direct: bool,
     /// Whether each stretch has an unknown offset (trim, gyro bias).
     pub offset: bool,
+    /// Whether the input is held between samples, or straight.
+    pub held_input: bool,
     /// Also use rows where the supervisor acted. Its feedback correlates u with the disturbance and biases the model.
     pub use_supervised: bool,
 }
 
 impl Default for Method {
-    /// PI-MOESP, a delay of three samples (0.06 s) or a little less, offsets, without supervised rows.
+    /// PI-MOESP, a delay of three samples (0.06 s) or a little less, offsets, a held input, without supervised rows.
     fn default() -> Self {
         let instruments = Instruments::PastInputs;
-        Self { instruments, delay_samples: 3, direct: true, offset: true, use_supervised: false }
+        Self {
+            instruments,
+            delay_samples: 3,
+            direct: true,
+            offset: true,
+            held_input: true,
+            use_supervised: false,
+        }
     }
 }
 
@@ -138,17 +146,6 @@ impl Grid {
     pub fn chosen(&self) -> Option<(&StateSpace, usize, usize, f64)> {
         let best = self.candidates.get(self.best)?;
         Some((best.model.as_ref()?, best.order, best.block_size, best.vaf?))
-    }
-
-    /// The stable candidate with the largest VAF that has a continuous-time equivalent, and that; the chosen model may
-    /// have a pole on the negative real axis and then has none ([`to_continuous`]).
-    #[must_use]
-    pub fn best_continuous(&self) -> Option<(&Candidate, ContinuousStateSpace)> {
-        let mut stable: Vec<&Candidate> = self.candidates.iter().filter(|c| c.model.is_some()).collect();
-        stable.sort_by(|a, b| b.vaf.unwrap_or(0.0).total_cmp(&a.vaf.unwrap_or(0.0)));
-        stable
-            .into_iter()
-            .find_map(|c| Some((c, c.model.as_ref().and_then(|model| to_continuous(model).ok())?)))
     }
 }
 

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! A held input changes once within a sample, at f T: g₁ = Γ((1−f)T), g₂ = Φ((1−f)T) Γ(fT), g₀ = 0, with
-//! Γ(h) = ∫₀ʰ e^As B ds. An interpolated one is interpolated again at the delayed instants, which smooths its kinks by
-//! less than a sample.
+//! Γ(h) = ∫₀ʰ e^As B ds. An interpolated one has its kink there: with R(h) = ∫₀ʰ e^A(h−s) s B ds / T, g₀ = R((1−f)T),
+//! g₁ = Γ((1−f)T) − g₀ + Φ((1−f)T) ((1−f) Γ(fT) + R(fT)), g₂ = Φ((1−f)T) (f Γ(fT) − R(fT)).
 //!
 //! Derivatives of Φ and Γ come from the exponential of \[M dM; 0 M\] (Van Loan, IEEE Transactions on Automatic Control 23,
 //! 1978); those to τ and ∂M/∂u are closed forms.
@@ -101,16 +101,15 @@ impl SampledPlant {
     #[must_use]
     pub fn coefficients(&self) -> Coefficients {
         let (f, t) = (self.fraction, self.step);
-        if self.held {
-            let (late, early) = (self.blocks((1.0 - f) * t), self.blocks(f * t));
-            return Coefficients {
-                transition: late.0 * early.0,
-                input: [Vector4::zeros(), late.1, late.0 * early.1],
-            };
-        }
-        let (transition, step, ramp) = self.blocks(t);
-        let (before, after) = (step - ramp / t, ramp / t);
-        Coefficients { transition, input: interpolated(&before, &after, f) }
+        let (late, early) = (self.blocks((1.0 - f) * t), self.blocks(f * t));
+        let transition = late.0 * early.0;
+        let input = if self.held {
+            [Vector4::zeros(), late.1, late.0 * early.1]
+        } else {
+            let [before, after] = kinked(&early, f, t);
+            [late.2 / t, late.1 - late.2 / t + late.0 * after, late.0 * before]
+        };
+        Coefficients { transition, input }
     }
 
     /// Derivatives of Φ and g to `parameter`.
@@ -134,24 +133,26 @@ impl SampledPlant {
             let switch = self.blocks((1.0 - f) * t).0 * self.b;
             return Coefficients { transition, input: [Vector4::zeros(), -switch, switch] };
         }
-        let (_, step, ramp) = self.blocks(t);
-        let (before, after) = (step - ramp / t, ramp / t);
-        Coefficients { transition, input: [-after / t, (after - before) / t, before / t] }
+        let (late, early) = (self.blocks((1.0 - f) * t), self.blocks(f * t));
+        let (late, early) = (late.1 / t, late.0 * early.1 / t);
+        Coefficients { transition, input: [-late, late - early, early] }
     }
 
     fn slope_to_matrix(&self, da: &Matrix4<f64>) -> Coefficients {
         let (f, t) = (self.fraction, self.step);
-        if self.held {
-            let ((late, late_slope), (early, early_slope)) =
-                (self.blocks_with_slope(da, (1.0 - f) * t), self.blocks_with_slope(da, f * t));
-            return Coefficients {
-                transition: late_slope.0 * early.0 + late.0 * early_slope.0,
-                input: [Vector4::zeros(), late_slope.1, late_slope.0 * early.1 + late.0 * early_slope.1],
-            };
-        }
-        let (_, (transition, step, ramp)) = self.blocks_with_slope(da, t);
-        let (before, after) = (step - ramp / t, ramp / t);
-        Coefficients { transition, input: interpolated(&before, &after, f) }
+        let ((late, late_slope), (early, early_slope)) =
+            (self.blocks_with_slope(da, (1.0 - f) * t), self.blocks_with_slope(da, f * t));
+        let transition = late_slope.0 * early.0 + late.0 * early_slope.0;
+        let carried = |own: &Vector4<f64>, slope: &Vector4<f64>| late_slope.0 * own + late.0 * slope;
+        let input = if self.held {
+            [Vector4::zeros(), late_slope.1, carried(&early.1, &early_slope.1)]
+        } else {
+            let ([before, after], [before_slope, after_slope]) =
+                (kinked(&early, f, t), kinked(&early_slope, f, t));
+            let ramp = late_slope.2 / t;
+            [ramp, late_slope.1 - ramp + carried(&after, &after_slope), carried(&before, &before_slope)]
+        };
+        Coefficients { transition, input }
     }
 
     fn generator(&self) -> SMatrix<f64, 6, 6> {
@@ -209,9 +210,9 @@ fn cut(exp: &SMatrix<f64, 6, 6>) -> Blocks {
     )
 }
 
-/// g for an input that is interpolated once more, at the fraction f before each sample.
-fn interpolated(before: &Vector4<f64>, after: &Vector4<f64>, f: f64) -> [Vector4<f64>; 3] {
-    [after * (1.0 - f), before * (1.0 - f) + after * f, before * f]
+/// What the samples before and after make of the state over f T, in which the input ends its way from the one to the other.
+fn kinked(early: &Blocks, f: f64, t: f64) -> [Vector4<f64>; 2] {
+    [early.1 * f - early.2 / t, early.1 * (1.0 - f) + early.2 / t]
 }
 
 fn state_matrix(plant: &Plant) -> Matrix4<f64> {

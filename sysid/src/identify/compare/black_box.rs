@@ -23,6 +23,9 @@ const DOUBTFUL: f64 = 90.0;
 /// A delay must gain this many points of cross-validated VAF against the grey box's to be taken instead.
 const WORTH: f64 = 0.5;
 
+/// Share of a sample that a delay may exceed a whole number by, and still is that.
+const HAIR: f64 = 0.1;
+
 /// The on-board estimator over the training sections, and its realisation.
 pub(super) fn lms_and_kung(work: &Work, on_board: Option<&OnBoard>) -> Vec<MethodResult> {
     let flown =
@@ -106,12 +109,13 @@ pub(super) struct Subspace {
 pub(super) fn subspace(work: &Work, delay: f64) -> [Subspace; 2] {
     let behind = |instruments, delay_samples| {
         // without a delay a direct term would learn the controller: u[k] answers to y[k]
-        let method = Method { instruments, delay_samples, direct: delay_samples > 0, ..Method::default() };
+        let (direct, held_input) = (delay_samples > 0, work.held_input);
+        let method = Method { instruments, delay_samples, direct, held_input, ..Method::default() };
         (method, cross_validated(&work.training, 1..=5, 10..=50, &method))
     };
     let score = |chosen: &Result<Chosen, Error>| chosen.as_ref().map_or(0.0, |c| c.vaf_percent);
-    // the nearest whole number: what is left of the delay would bias the match
-    let whole = (delay / work.step).round() as usize;
+    // what the identified model has too much of it is known, and given back before the match
+    let whole = (delay / work.step - HAIR).ceil().max(0.0) as usize;
     let mut pi = behind(Instruments::PastInputs, whole);
     if whole > 0 && score(&pi.1) < DOUBTFUL {
         let prompt = behind(Instruments::PastInputs, 0);

@@ -7,12 +7,11 @@ use crate::error::{Error, ErrorKind};
 use crate::estimate::Estimate;
 use crate::identify::bootstrap::{Recipe, Replicates, bootstrap};
 use crate::identify::butterworth::Butterworth;
-use crate::identify::hinf_match::{HinfMatch, grey_box_response, hinf_match};
+use crate::identify::hinf_match::{HinfMatch, hinf_match};
 use crate::identify::linear_model::LinearModel;
 use crate::identify::output_error::Options;
 use crate::identify::pi_moesp::identify;
 use crate::model::plant::Plant;
-use crate::model::state_space::StateSpace;
 use crate::progress::Progress;
 use crate::validate::vaf::vaf;
 use serde::Serialize;
@@ -45,7 +44,7 @@ pub struct HinfReport {
     pub relative: f64,
     /// Frequencies that hold the optimum, rad/s.
     pub active_rad_s: Vec<f64>,
-    /// By held-out section, VAF between both models' responses to its input from rest, per cent.
+    /// By held-out section, VAF between both models' free runs, per cent.
     pub agreement_percent: BTreeMap<String, f64>,
     /// Records of the bootstrap that gave an answer, of those tried.
     pub replicates: [usize; 2],
@@ -76,11 +75,14 @@ pub(super) fn matched(
                 found.agreeing_starts[0],
                 found.agreeing_starts[1],
             );
-            let options = Options { held_input: work.held_input, ..Options::default() };
-            (work.line(name, detail, LinearModel::GreyBox(found.plant, options), remark), Some(report))
+            (work.line(name, detail, grey_box(work, &found.plant), remark), Some(report))
         }
         Err(error) => (work.without_answer(name, &error), None),
     }
+}
+
+fn grey_box(work: &Work, plant: &Plant) -> LinearModel {
+    LinearModel::GreyBox(*plant, Options { held_input: work.held_input, ..Options::default() })
 }
 
 fn try_match(
@@ -97,7 +99,7 @@ fn try_match(
         .continuous
         .as_ref()
         .ok_or_else(|| none("no PI-MOESP model has a continuous-time equivalent"))?;
-    let found = hinf_match(target, start, weight, None)?;
+    let found = hinf_match(&target.with_delay(start.delay.min(target.delay()))?, start, weight, None)?;
     let model = identify(&work.training, *order, *block_size, &pi.method)?.model;
     let omegas: Vec<f64> = work.response().iter().map(|line| line.omega_rad_s).collect();
     let recipe = Recipe {
@@ -115,10 +117,9 @@ fn try_match(
     } else {
         Replicates::default()
     };
-    let grey = grey_box_response(&found.plant)?.sampled(work.step)?;
+    let (grey, black) = (grey_box(work, &found.plant), LinearModel::Sampled(model.clone()));
     let agreement = |(place, piece): &(&crate::dataset::Place, crate::identify::fir::Piece)| {
-        let u = &piece.u[piece.rows.clone()];
-        Some((place.label.clone(), vaf(&prompt(&model)?.simulate(u, None), &grey.simulate(u, None))))
+        Some((place.label.clone(), vaf(&black.simulate(piece)?, &grey.simulate(piece)?)))
     };
     let unit = work.data.input_unit;
     let estimate = |name: &str, unit: &str, value: f64, ci95| Estimate {
@@ -151,10 +152,4 @@ fn try_match(
         gain_band,
     };
     Ok((found, report))
-}
-
-/// The model without its delay: both models have the same.
-fn prompt(model: &StateSpace) -> Option<StateSpace> {
-    let (a, b, c) = (model.a().clone(), model.b().clone(), model.c().clone());
-    StateSpace::new(a, b, c, model.d(), model.step(), 0).ok()
 }
