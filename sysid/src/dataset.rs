@@ -173,14 +173,16 @@ impl Dataset {
         Ok(data)
     }
 
-    /// The same, with blocks of samples averaged to a period of about `step` s instead of one that the motion asks for.
+    /// The readings as a board has them that runs every `step` s, or as slowly as the motion allows: sampled, not averaged.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn at_step(recordings: &[Recording], step: f64) -> Result<Self, Error> {
+    pub fn on_board(recordings: &[Recording], step: Option<f64>) -> Result<Self, Error> {
         let mut data = Self::as_it_is(recordings)?;
-        let own = data.runs.first().map_or(step, |run| run.step);
-        data.average((step / own).round() as usize);
+        let own = data.runs.first().map(|run| run.step);
+        let wanted = step.zip(own).map(|(step, own)| (step / own).round() as usize);
+        let factor = wanted.unwrap_or_else(|| data.rows_to_one());
+        data.sample(factor);
         Ok(data)
     }
 

@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let progress = Progress::start("reading");
     let recordings = reading.recordings()?;
     progress.note(long(&recordings).as_deref());
-    let data = Dataset::at_step(&recordings, step)?;
+    let data = Dataset::on_board(&recordings, Some(step))?;
     if let Some(run) = data.runs.iter().find(|run| (run.step / step - 1.0).abs() > 0.02) {
         return Err(Failure::new(
             format!(

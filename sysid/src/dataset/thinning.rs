@@ -19,7 +19,13 @@ impl Dataset {
     /// most, or where [smoothing](super::smoothed) has left no news in each of them: at a high rate the one-step prediction sees the sensors' filters and clocks instead of the dynamics.
     /// Averaging is linear and the same for input and outputs, so it leaves a linear model as it is.
     pub(super) fn thin(&mut self) {
-        let Some(step) = self.runs.first().map(|run| run.step) else { return };
+        let factor = self.rows_to_one();
+        self.average(factor);
+    }
+
+    /// Rows that make one, and leaves out what was smoothed.
+    pub(super) fn rows_to_one(&mut self) -> usize {
+        let Some(step) = self.runs.first().map(|run| run.step) else { return 1 };
         let rates: Vec<Vec<f64>> = self.runs.iter().map(Run::rate_or_slope).collect();
         // between readings that come once in several rows nothing can be averaged
         let few_are_new = self.runs.iter().any(|run| {
@@ -29,7 +35,15 @@ impl Dataset {
         let most = if few_are_new { 1 } else { (THINNED_STEP / step + 1e-6) as usize };
         let enough = (decorrelation(&rates) / SAMPLES_PER_DECORRELATION).min(most).max(1);
         let rows = self.leave_out_smoothed(enough);
-        self.average(enough * rows);
+        enough * rows
+    }
+
+    /// Every `factor`-th reading, as a board has it that runs so much more slowly; the input is the mean over the rows to the next.
+    pub(super) fn sample(&mut self, factor: usize) {
+        if factor >= 2 {
+            self.runs = self.runs.iter().map(|run| run.sampled(factor)).filter(|run| run.len() > 1).collect();
+            self.thinned = factor;
+        }
     }
 
     pub(super) fn average(&mut self, factor: usize) {
@@ -74,6 +88,23 @@ impl Run {
     pub(crate) fn holds_longer_than(&self, samples: usize) -> bool {
         let changes = self.u.windows(2).filter(|pair| pair[0] != pair[1]).count();
         changes * samples <= self.len()
+    }
+
+    /// Every `factor`-th reading, and the means of the commands over the rows to the next.
+    fn sampled(&self, factor: usize) -> Self {
+        let blocks = self.len().saturating_sub(1) / factor;
+        let picked = |x: &[f64]| -> Vec<f64> { x.iter().copied().step_by(factor).take(blocks).collect() };
+        Self {
+            start: self.start,
+            held: true,
+            between: None,
+            leads: false,
+            rate: self.rate.as_deref().map(picked),
+            angle: self.angle.as_deref().map(picked),
+            rate_limit: self.rate_limit,
+            unmeasured: self.unmeasured.iter().copied().step_by(factor).take(blocks).collect(),
+            ..self.averaged(factor)
+        }
     }
 
     /// The run with blocks of `factor` samples averaged; outputs by the trapezoidal rule, so that they and the held input
@@ -140,7 +171,21 @@ mod tests {
         let row = |k: usize| format!("{:.3},{},0\n", 0.005 * k as f64, (k / hold * 7919) % 101);
         let text = "t_s,u_N_m,q_rad_s\n".to_owned() + &(0..800).map(row).collect::<String>();
         let recording = parse("flight.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
-        Dataset::at_step(&[recording], 0.02).unwrap()
+        let mut data = Dataset::as_it_is(&[recording]).unwrap();
+        data.average(4);
+        data
+    }
+
+    #[test]
+    fn a_board_that_runs_more_slowly_has_every_so_many_th_reading() {
+        let row = |k: usize| format!("{:.3},{},{}\n", 0.005 * k as f64, k % 8, k);
+        let text = "t_s,u_N_m,q_rad_s\n".to_owned() + &(0..400).map(row).collect::<String>();
+        let recording = parse("flight.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
+        let data = Dataset::on_board(&[recording], Some(0.02)).unwrap();
+        let run = &data.runs[0];
+        assert_eq!((run.step, run.start, run.held), (0.02, 0.0, true));
+        assert_eq!(run.rate.as_ref().unwrap()[..3], [0.0, 4.0, 8.0]);
+        assert_eq!(run.u[..3], [1.5, 5.5, 1.5]);
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub struct Design {
 /// # Errors
 /// Recordings that do not go together, no finite likelihood, a delay beyond what the board carries.
 pub fn design(recordings: &[Recording], model: Option<&ModelFile>) -> Result<Design, Error> {
-    let data = Dataset::new(recordings)?;
+    let data = Dataset::on_board(recordings, None)?;
     let baseline = Baseline { delay_free: true, ..Baseline::new(model, &data)? };
     if data.smoothing.is_some() {
         let found =
