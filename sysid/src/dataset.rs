@@ -1,6 +1,7 @@
 //! What every method takes: the runs of one or more recordings, each on a uniform grid without a gap.
 
 mod amplitudes;
+mod command_news;
 mod input;
 mod motion;
 mod smoothed;
@@ -35,6 +36,8 @@ pub struct Run {
     /// Whether that is a cause of what the rows show, and no answer to it: it keeps a value for longer than a row, or the craft
     /// answers a row later.
     pub leads: bool,
+    /// What is new in the command, of the standard deviation of the first sensor's noise, where a controller makes it and that was asked.
+    pub command_news: Option<Vec<f64>>,
     /// Measured outputs: pitch rate in rad/s and pitch angle in rad, each if the data set has it.
     pub rate: Option<Vec<f64>>,
     /// See `rate`.
@@ -231,6 +234,7 @@ impl Dataset {
                     held: recording.input_hold == InputHold::Held,
                     u: cut(&recording.u),
                     between: None,
+                    command_news: None,
                     leads: false,
                     rate: recording.q.as_deref().filter(|_| has_rate).map(cut),
                     angle: recording.theta.as_deref().filter(|_| has_angle).map(cut),

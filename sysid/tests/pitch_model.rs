@@ -9,8 +9,15 @@ use sysid::optim::levenberg_marquardt::{Coordinate, Effort, covariance, minimize
 
 const STEP: f64 = 0.02;
 const PLANT: Plant = Plant { inertia: 0.1705, dm_dq: -0.27, dm_du: 23.0, delay: 0.05, mount: None };
-const QUIET: Disturbance =
-    Disturbance { intensity: 1.0, frequency: 2.2, damping: 2.4, zero: 1.0, angle_noise: 1.0, third: None };
+const QUIET: Disturbance = Disturbance {
+    intensity: 1.0,
+    frequency: 2.2,
+    damping: 2.4,
+    zero: 1.0,
+    angle_noise: 1.0,
+    third: None,
+    corrects: None,
+};
 const SIZES: Amplitudes = Amplitudes {
     inertia: 1.0,
     u: 0.015,
@@ -33,6 +40,7 @@ fn run(u: Vec<f64>) -> Run {
         step: STEP,
         held: true,
         between: None,
+        command_news: None,
         leads: false,
         rate: Some(vec![0.0; u.len()]),
         angle: Some(vec![0.0; u.len()]),

@@ -8,6 +8,7 @@ mod asymmetric_thrust;
 mod axis_misalignment;
 mod clock_skew;
 mod cogging;
+pub mod command_tells;
 mod coulomb_friction;
 mod cross_feed;
 mod cubic_stiffness;

@@ -129,6 +129,7 @@ impl Run {
             u: command(&self.u),
             between: Some(MovingMean::new(&self.u, factor, self.held)),
             leads: self.holds_longer_than(factor),
+            command_news: None,
             rate: self.rate.as_deref().map(sampled),
             angle: self.angle.as_deref().map(sampled),
             rate_limit: f64::INFINITY,

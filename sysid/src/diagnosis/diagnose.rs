@@ -27,6 +27,7 @@ use crate::likelihood::blow_up::no_likelihood;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::fit_baseline;
 use crate::likelihood::problem::Problem;
+use crate::likelihood::sensor_noise::sensor_noise;
 use crate::model::baseline::{ASSUMED, Baseline};
 use crate::model::effect::Effect;
 use crate::model::file::ModelFile;
@@ -173,6 +174,13 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         progress("fitting again with the input as it was between the rows: what it moves comes later".into());
         return answered(&Asked { recordings, data: &data, model, catalogue, progress }, baseline);
     }
+    if !data.has_command_news() && Loops::new(recordings, &problem, &first).closed() {
+        let noise = sensor_noise(&problem, &first).ok_or_else(no_likelihood)?;
+        if let Some(data) = data.with_command_news(noise) {
+            progress("fitting again with what is new in the command: a controller makes it".into());
+            return answered(&Asked { recordings, data: &data, model, catalogue, progress }, baseline);
+        }
+    }
     let information = Information::new(&problem, &first, &places).ok_or_else(no_likelihood)?;
     if let Some(reason) = excitation::too_weak(&problem, &first, &information) {
         checks.extend(data_checks::without_fit("too weak to ask"));
@@ -203,7 +211,7 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         checks.extend(data_checks::of_fit(recordings, &problem, extended, told, dm_du, &loops));
         return with_checks(unanswered(Verdict::NotExcited, reason, None), checks, balance.as_ref());
     }
-    let closed = loops.any_closed_unsaid() || loops.all_closed();
+    let closed = loops.closed();
     let unknown = || {
         let unseen = || {
             excitation::input_unseen(&problem, &fitted.fit, &fitted.information).is_some()

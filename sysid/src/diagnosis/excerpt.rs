@@ -66,6 +66,7 @@ fn cut(run: &Run, rows: Range<usize>) -> Run {
         u: run.u[rows.clone()].to_vec(),
         between: run.between.as_ref().map(|mean| mean.cut(rows.clone())),
         leads: run.leads,
+        command_news: of(&run.command_news),
         rate: of(&run.rate),
         angle: of(&run.angle),
         beside: Beside {

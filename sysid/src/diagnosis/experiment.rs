@@ -117,6 +117,7 @@ fn fly(
         sections: Vec::new(),
         u: excitation,
         between: None,
+        command_news: None,
         leads: false,
     };
     let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);

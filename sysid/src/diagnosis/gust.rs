@@ -9,6 +9,7 @@ use super::excerpt::excerpt;
 use super::posterior::chance;
 use super::prior::{FURTHER_TERM, NAMED};
 use crate::catalogue::CATALOGUE;
+use crate::catalogue::command_tells::CommandTells;
 use crate::catalogue::roll_off::RollOff;
 use crate::catalogue::slow_moment::SlowMoment;
 use crate::dataset::Amplitudes;
@@ -16,6 +17,7 @@ use crate::estimate::Estimate;
 use crate::likelihood::evidence::Information;
 use crate::likelihood::fit::{FINISH, Fit};
 use crate::likelihood::problem::Problem;
+use crate::likelihood::sensor_noise::sensor_noise;
 use crate::model::effect::Effect;
 use crate::model::noise::{Disturbance, Third};
 use crate::optim::levenberg_marquardt::{Coordinate, minimize};
@@ -146,10 +148,12 @@ pub fn gust(problem: &Problem<'_>, fit: &Fit) -> Option<Gust> {
     })
 }
 
-/// The fit's terms and values without those of the background; its criterion is not that of these values.
+/// The fit's terms and values without the third pole of the background; its criterion is not that of these values.
 fn without_background(problem: &Problem<'_>, fit: &Fit) -> Fit {
     let mut fit = fit.clone();
-    while let Some(i) = fit.effects.iter().position(|effect| effect.is_background()) {
+    let is_third =
+        |effect: &&'static dyn Effect| effect.is_background() && effect.about().id != CommandTells.about().id;
+    while let Some(i) = fit.effects.iter().position(is_third) {
         fit.minimum.values.drain(fit.own_range(problem, i));
         fit.effects.remove(i);
     }
@@ -259,20 +263,6 @@ fn error_of_ratio(problem: &Problem<'_>, fit: &Fit, information: &Information) -
     information.deviation_along(values, &gradient)
 }
 
-/// Standard deviation of the first channel's white noise: that of its innovations, less what the state's uncertainty
-/// adds to it.
-fn sensor_noise(problem: &Problem<'_>, fit: &Fit) -> Option<f64> {
-    let unpacked = problem.unpack(&fit.effects, &fit.minimum.values);
-    let run = problem.data.runs.first()?;
-    let model = problem.model(&unpacked, run.step)?;
-    let gain = model.gain(&unpacked.disturbance, run)?;
-    let (rate, angle) = model.measured();
-    let first = if problem.data.has_rate { rate } else { angle };
-    let residuals = &fit.minimum.residuals;
-    let variance = residuals.iter().map(|e| e[0] * e[0]).sum::<f64>() / residuals.len().max(1) as f64;
-    Some((variance * (1.0 - gain.begin.first()?[first]).max(0.0)).sqrt())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -285,6 +275,7 @@ mod tests {
         zero: 0.01,
         angle_noise: 1.0,
         third: None,
+        corrects: None,
     };
 
     #[test]

@@ -17,6 +17,7 @@ use super::posterior::{Selection, Visited, is_shape};
 use super::prior::{log_prior, log_prior_of_spring};
 use super::rotation::all_but_the_same;
 use super::search::{Prospect, fit_one_more, screen};
+use crate::catalogue::command_tells::CommandTells;
 use crate::catalogue::roll_off::RollOff;
 use crate::catalogue::shapes::SHAPES;
 use crate::catalogue::slow_moment::SlowMoment;
@@ -129,7 +130,8 @@ pub fn select(
 
 fn searched(mut search: Search<'_, '_>, baseline: Fit) -> Option<Selection> {
     let plain = search.visit(baseline)?;
-    let baseline = search.with_third_pole(plain);
+    let told = search.with_command_news(plain);
+    let baseline = search.with_third_pole(told);
     let mut current = search.with_what_is_read(baseline);
     for _ in 0..MOST_TERMS {
         search.begin(format!("trying the catalogue's effects on top of {}", search.described(current)));
@@ -215,6 +217,19 @@ impl Search<'_, '_> {
         let fits: Vec<Fit> =
             prospects.par_iter().filter_map(|p| refit(self.problem, &p.effects, &p.values)).collect();
         let after: Vec<usize> = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
+        self.better_than(place, &after)
+    }
+
+    /// The model at `place`, or that which takes what is new in the command for a reading, where that is there and more probable.
+    fn with_command_news(&mut self, place: usize) -> usize {
+        if !self.problem.data.has_command_news() {
+            return place;
+        }
+        let before = &self.visited[place].fit;
+        let effects = [&before.effects[..], &[&CommandTells as &'static dyn Effect]].concat();
+        let start = CommandTells.starts(&self.problem.sizes).concat();
+        let told = refit(self.problem, &effects, &[&before.minimum.values[..], &start].concat());
+        let after: Vec<usize> = told.and_then(|fit| self.visit(fit)).into_iter().collect();
         self.better_than(place, &after)
     }
 

@@ -131,6 +131,7 @@ pub fn at_rest(whole: &Run, u: Vec<f64>) -> Run {
         start: 0.0,
         u,
         between: None,
+        command_news: None,
         leads: false,
         rate: zeros(&whole.rate),
         angle: zeros(&whole.angle),

@@ -10,3 +10,4 @@ pub mod horizon;
 mod known_drives;
 pub mod precision;
 pub mod problem;
+pub mod sensor_noise;

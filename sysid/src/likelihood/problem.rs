@@ -325,6 +325,7 @@ impl<'a> Problem<'a> {
             zero: next(),
             angle_noise: 1.0,
             third: None,
+            corrects: None,
         };
         if self.channels() == 2 {
             disturbance.angle_noise = next();
@@ -332,6 +333,7 @@ impl<'a> Problem<'a> {
         for &effect in effects {
             let values: Vec<f64> = effect.parameters(&self.sizes).iter().map(|_| next()).collect();
             disturbance.third = disturbance.third.or_else(|| effect.noise(&values));
+            disturbance.corrects = disturbance.corrects.or_else(|| effect.corrects(&values));
             terms.push(Term { effect, values });
         }
         Unpacked { plant, disturbance, terms }

@@ -281,6 +281,10 @@ pub trait Effect: Sync {
     fn noise(&self, _p: &[f64]) -> Option<Third> {
         None
     }
+    /// By how much the states q, x₁ and x₂ are corrected by what is new in the command.
+    fn corrects(&self, _p: &[f64]) -> Option<[f64; 3]> {
+        None
+    }
     /// Delay of the input beyond the plant's, s.
     fn delay(&self, _p: &[f64], _at: &Conditions) -> f64 {
         0.0

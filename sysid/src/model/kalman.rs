@@ -45,7 +45,9 @@ pub fn steady_gain(
             return None;
         }
         if settled {
-            return Some(gain(&h, channels));
+            // a process noise that is less than another reading has told leaves less than nothing
+            let sound = channels.iter().all(|channel| h[(channel.state, channel.state)] >= 0.0);
+            return sound.then(|| gain(&h, channels));
         }
     }
     None

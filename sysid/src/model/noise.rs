@@ -20,6 +20,8 @@ pub struct Disturbance {
     pub angle_noise: f64,
     /// A third pole: a gust beside it, or a further roll-off.
     pub third: Option<Third>,
+    /// g: by how much q, x₁ and x₂ are corrected by what is new in the command, relative to the noise of the first measured channel.
+    pub corrects: Option<[f64; 3]>,
 }
 
 /// The third pole of the noise model.
@@ -84,6 +86,7 @@ mod tests {
             zero: 0.8,
             angle_noise: 1.0,
             third: Some(Third::Gust(gust)),
+            corrects: None,
         };
         let a = plant.state_matrix(0.0, 0.0, &disturbance);
         let mut block = SMatrix::<Complex<f64>, 3, 3>::zeros();

@@ -66,6 +66,8 @@ pub struct Gains {
     pub begin: Vec<State>,
     /// With the inertia that an effect leaves, from the moment on that it changes.
     changed: Option<Vec<State>>,
+    /// By what is new in the command.
+    corrects: Option<State>,
 }
 
 /// Output of the model at one sample: pitch rate in rad/s and pitch angle in rad, as the sensors show them.

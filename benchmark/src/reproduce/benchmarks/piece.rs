@@ -33,6 +33,7 @@ impl Piece {
             step: recording.step / finer as f64,
             held,
             between: None,
+            command_news: None,
             leads: false,
             u: (0..all).map(fine).collect(),
             rate: None,

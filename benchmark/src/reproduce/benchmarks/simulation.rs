@@ -14,8 +14,15 @@ use sysid::model::plant::{Plant, Q, THETA};
 use sysid::optim::levenberg_marquardt::{Coordinate, Effort, minimize};
 
 /// A simulation has no noise: any noise model serves.
-const NO_NOISE: Disturbance =
-    Disturbance { intensity: 0.0, frequency: 1.0, damping: 1.0, zero: 0.0, angle_noise: 1.0, third: None };
+const NO_NOISE: Disturbance = Disturbance {
+    intensity: 0.0,
+    frequency: 1.0,
+    damping: 1.0,
+    zero: 0.0,
+    angle_noise: 1.0,
+    third: None,
+    corrects: None,
+};
 const EFFORT: Effort = Effort { iterations: 80, tolerance: 0.05 };
 /// The whole is divided by these, one after the other: where friction holds, a position once lost stays lost, and a free run over
 /// all of it from a start that is far off has many minima.

@@ -24,8 +24,15 @@ const WITHIN_BOUND: [f64; 2] = [0.5, 1.4];
 /// Standard deviations of the innovations, rad/s and rad.
 const NOISE: [f64; 2] = [0.01, 0.003];
 const PLANT: Plant = Plant { inertia: 0.1705, dm_dq: -0.27, dm_du: 23.0, delay: 0.0, mount: None };
-const BACKGROUND: Disturbance =
-    Disturbance { intensity: 60.0, frequency: 2.5, damping: 0.9, zero: 1.0, angle_noise: 0.3, third: None };
+const BACKGROUND: Disturbance = Disturbance {
+    intensity: 60.0,
+    frequency: 2.5,
+    damping: 0.9,
+    zero: 1.0,
+    angle_noise: 0.3,
+    third: None,
+    corrects: None,
+};
 
 /// Moment and addition to the measured rate that the model lacks, N m and rad/s, at (u, q, θ) in standard deviations and at a time.
 pub type Missing<'a> = &'a (dyn Fn([f64; 3], f64) -> [f64; 2] + Sync);
@@ -59,6 +66,7 @@ pub fn left(seed: u64, rows: usize, missing: Missing<'_>) -> Left {
         step: STEP,
         held: true,
         between: None,
+        command_news: None,
         leads: false,
         u: Vec::new(),
         rate: empty(),

@@ -134,6 +134,11 @@ impl Loops {
         asked && !self.smoothed && !self.any_open()
     }
 
+    /// Whether some section is closed that does not say so, or all are.
+    pub fn closed(&self) -> bool {
+        self.any_closed_unsaid() || self.all_closed()
+    }
+
     /// In words.
     pub fn check(&self) -> DataCheck {
         let mut found: Vec<_> = self.tests.iter().filter(|(_, test)| self.is_closed(test)).collect();

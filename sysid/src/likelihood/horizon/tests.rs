@@ -53,6 +53,7 @@ fn predicted(decay: f64, places: &[core::ops::Range<usize>]) -> (Vec<f64>, Vec<O
         zero: 1e3,
         angle_noise: 1.0,
         third: None,
+        corrects: None,
     };
     let places: Vec<Place> =
         places.iter().map(|rows| Place { label: "p".into(), run: 0, rows: rows.clone() }).collect();

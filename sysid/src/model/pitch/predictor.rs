@@ -5,7 +5,7 @@ use crate::dataset::Run;
 use crate::model::innovation_filter::InnovationFilter;
 use crate::model::kalman::{Channel, steady_gain};
 use crate::model::noise::{Disturbance, Third};
-use crate::model::plant::{DISTURBANCE, GUST, Plant, STATES, State, StateMatrix, THETA, THETA_IMU};
+use crate::model::plant::{DISTURBANCE, GUST, Plant, Q, STATES, State, StateMatrix, THETA, THETA_IMU};
 
 /// Leak of an angle that nothing observes, 1/s.
 const LEAK: f64 = 0.1;
@@ -15,12 +15,13 @@ impl PitchModel<'_> {
     pub fn gain(&self, disturbance: &Disturbance, run: &Run) -> Option<Gains> {
         let begin = self.steady(disturbance, run)?;
         if !self.inertia_changes {
-            return Some(Gains { begin, changed: None });
+            return Some(Gains { begin, changed: None, corrects: by_news(disturbance) });
         }
         let factor = self.inertia_at(f64::MAX);
         let plant = Plant { inertia: factor * self.plant.inertia, ..self.plant };
         let later = PitchModel::new(&plant, &[], disturbance, self.step, &self.sizes)?;
-        Some(Gains { begin, changed: Some(later.steady(disturbance, run)?) })
+        let changed = Some(later.steady(disturbance, run)?);
+        Some(Gains { begin, changed, corrects: by_news(disturbance) })
     }
 
     /// How a moment or an addition to a measurement that the model lacks shows in the innovations of the predictor with
@@ -57,6 +58,10 @@ impl PitchModel<'_> {
         driven(DISTURBANCE + 1, disturbance.intensity);
         if let Some(Third::Gust(gust)) = disturbance.third {
             driven(GUST, gust.sigma * (2.0 / gust.time_constant).sqrt());
+        }
+        if let Some(known) = by_news(disturbance).filter(|_| run.command_news.is_some()) {
+            let later = self.linearised * known;
+            process -= later * later.transpose();
         }
         let (rate, angle) = self.measured;
         let mut channels = Vec::with_capacity(2);
@@ -135,6 +140,9 @@ impl PitchModel<'_> {
                     column += 1;
                 }
             }
+            if let Some((news, corrects)) = run.command_news.as_ref().zip(gains.corrects) {
+                point.x += corrects * news[k];
+            }
             let at_limit = run.rate.as_ref().is_some_and(|rate| rate[k].abs() >= run.rate_limit);
             if at_limit && sensed[0] != expected[0] {
                 censored.push(k);
@@ -168,4 +176,12 @@ fn impute(innovations: &mut [Output], censored: &[usize]) {
         let sign = if drawn & 0x8000 == 0 { 1.0 } else { -1.0 };
         innovations[k][0] += sign * innovations[donors[(drawn >> 16) as usize % donors.len()]][0];
     }
+}
+
+/// By how much the state is corrected by what is new in the command.
+fn by_news(disturbance: &Disturbance) -> Option<State> {
+    let [rate, first, second] = disturbance.corrects?;
+    let mut state = State::zeros();
+    (state[Q], state[DISTURBANCE], state[DISTURBANCE + 1]) = (rate, first, second);
+    Some(state)
 }
