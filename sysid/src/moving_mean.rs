@@ -19,11 +19,19 @@ use core::ops::Range;
 pub struct MovingMean {
     /// n.
     per_row: usize,
-    /// Whether ū is held between its nodes.
+    /// ū, its first node at the first row.
+    mean: Track,
+    /// The input itself, its first node half a row before.
+    input: Track,
+}
+
+/// A signal by its nodes, one a sample.
+#[derive(Clone, Debug, PartialEq)]
+struct Track {
+    /// Whether it is held between its nodes.
     held: bool,
-    /// ū, the first at the first row.
     nodes: Vec<f64>,
-    /// ∫ ū dt from the first node to each, in units of h.
+    /// Its integral from the first node to each, in samples.
     integral: Vec<f64>,
 }
 
@@ -33,50 +41,75 @@ impl MovingMean {
     pub fn new(u: &[f64], per_row: usize, held: bool) -> Self {
         let n = per_row as f64;
         let mean = |u: &[f64]| (u.iter().sum::<f64>() - 0.5 * (u[0] + u[per_row])) / n;
-        Self::of_nodes(u.windows(per_row + 1).map(mean).collect(), per_row, held)
-    }
-
-    fn of_nodes(nodes: Vec<f64>, per_row: usize, held: bool) -> Self {
-        let mut integral = vec![0.0; nodes.len()];
-        for k in 1..nodes.len() {
-            let end = if held { nodes[k - 1] } else { nodes[k] };
-            integral[k] = integral[k - 1] + 0.5 * (nodes[k - 1] + end);
-        }
-        Self { per_row, held, nodes, integral }
+        let mean = Track::new(u.windows(per_row + 1).map(mean).collect(), held);
+        Self { per_row, mean, input: Track::new(u.to_vec(), held) }
     }
 
     /// The same of the rows `rows` alone.
     #[must_use]
     pub fn cut(&self, rows: Range<usize>) -> Self {
-        let nodes = rows.start * self.per_row..(rows.end * self.per_row).min(self.nodes.len());
-        Self::of_nodes(self.nodes[nodes].to_vec(), self.per_row, self.held)
+        let [first, last] = [rows.start, rows.end].map(|row| row * self.per_row);
+        let of = |track: &Track, last: usize| {
+            Track::new(track.nodes[first..last.min(track.nodes.len())].to_vec(), track.held)
+        };
+        Self {
+            per_row: self.per_row,
+            mean: of(&self.mean, last),
+            input: of(&self.input, last + self.per_row),
+        }
     }
 
     /// The same of an input that is less by `level`.
     #[must_use]
     pub fn less(&self, level: f64) -> Self {
-        Self::of_nodes(self.nodes.iter().map(|u| u - level).collect(), self.per_row, self.held)
+        let of = |track: &Track| Track::new(track.nodes.iter().map(|u| u - level).collect(), track.held);
+        Self { per_row: self.per_row, mean: of(&self.mean), input: of(&self.input) }
     }
 
     /// ū at two places, and its mean between them. A place is a row, and a share of the time to the next; before the first node
     /// and after the last ū is as it is there.
     #[must_use]
     pub fn between(&self, places: [(isize, f64); 2]) -> ([f64; 2], f64) {
-        let [from, to] = places.map(|(row, share)| self.reach(row, share));
-        let rows = (places[1].0 - places[0].0) as f64 + places[1].1 - places[0].1;
-        ([from.0, to.0], (to.1 - from.1) / (rows * self.per_row as f64))
+        self.mean.between(places.map(|place| self.samples(place)))
     }
 
-    /// ū and its integral at a place.
-    fn reach(&self, row: isize, share: f64) -> (f64, f64) {
-        let within = share * self.per_row as f64;
-        let node = row * self.per_row as isize + within as isize;
-        let last = self.nodes.len() - 1;
-        if node < 0 {
-            return (self.nodes[0], self.nodes[0] * (row as f64 * self.per_row as f64 + within));
+    /// The same of the input itself.
+    #[must_use]
+    pub fn input_between(&self, places: [(isize, f64); 2]) -> ([f64; 2], f64) {
+        let half = 0.5 * self.per_row as f64;
+        self.input.between(places.map(|place| self.samples(place) + half))
+    }
+
+    /// Samples from the first row to a place.
+    fn samples(&self, (row, share): (isize, f64)) -> f64 {
+        (row as f64 + share) * self.per_row as f64
+    }
+}
+
+impl Track {
+    fn new(nodes: Vec<f64>, held: bool) -> Self {
+        let mut integral = vec![0.0; nodes.len()];
+        for k in 1..nodes.len() {
+            let end = if held { nodes[k - 1] } else { nodes[k] };
+            integral[k] = integral[k - 1] + 0.5 * (nodes[k - 1] + end);
         }
-        let k = (node as usize).min(last);
-        let beyond = within.fract() + (node as usize - k) as f64;
+        Self { held, nodes, integral }
+    }
+
+    /// Its values at two places, in samples from the first node, and its mean between them.
+    fn between(&self, places: [f64; 2]) -> ([f64; 2], f64) {
+        let [from, to] = places.map(|place| self.reach(place));
+        ([from.0, to.0], (to.1 - from.1) / (places[1] - places[0]))
+    }
+
+    /// Its value and its integral at a place.
+    fn reach(&self, place: f64) -> (f64, f64) {
+        if place < 0.0 {
+            return (self.nodes[0], self.nodes[0] * place);
+        }
+        let last = self.nodes.len() - 1;
+        let k = (place as usize).min(last);
+        let beyond = place - k as f64;
         let slope = if self.held || k == last { 0.0 } else { self.nodes[k + 1] - self.nodes[k] };
         let value = self.nodes[k] + slope * beyond;
         (value, self.integral[k] + 0.5 * (self.nodes[k] + value) * beyond)
@@ -90,7 +123,7 @@ mod tests {
 
     /// ū in the middle of each row.
     fn rows(mean: &MovingMean) -> Vec<f64> {
-        mean.nodes.iter().step_by(mean.per_row).copied().collect()
+        mean.mean.nodes.iter().step_by(mean.per_row).copied().collect()
     }
 
     /// The held input `x` samples after its start.

@@ -113,8 +113,9 @@ fn stretches<'a>(
         let filter = less.innovation_filter(&fewer, run);
         let errors = less.innovations(run, &fewer, run.len(), |_, _| {})?;
         let mut rows: Vec<Row> = Vec::with_capacity(run.len());
+        let driven = [&full.driven(run), &less.driven(run)];
         full.innovations(run, &gains, run.len(), |k, point| {
-            if let Some(part) = full.part(&less, id, point, run, k) {
+            if let Some(part) = full.part(&less, id, point, driven, k) {
                 let moved = part.next.x[THETA] - point.x[THETA];
                 let falls = picture == Picture::Loop && moved < 0.0;
                 let command = filter.command(run, k);

@@ -10,7 +10,7 @@
 use super::evidence::BLOCK_S;
 use super::free_run::judged_channel;
 use super::problem::{Problem, Unpacked};
-use crate::dataset::Place;
+use crate::dataset::{Place, Run};
 use crate::model::pitch::Point;
 
 /// Predictions start this far apart, s.
@@ -76,13 +76,13 @@ fn sums_by_block(
     problem.track(unpacked, visit, &mut |_, _| {})?;
     let mean = mean_of(problem, places);
     let mut sums: Vec<Vec<Block>> = vec![Vec::new(); horizons.len()];
-    let mut model = None;
+    let of_run = |run: &Run| problem.model(unpacked, run.step);
+    let models = problem.data.runs.iter().map(of_run).collect::<Option<Vec<_>>>()?;
+    let driven: Vec<_> =
+        models.iter().zip(&problem.data.runs).map(|(model, run)| model.driven(run)).collect();
     for (place, start, mut point) in starts {
-        let run = &problem.data.runs[places[place].run];
-        if !model.as_ref().is_some_and(|(step, _)| *step == run.step) {
-            model = Some((run.step, problem.model(unpacked, run.step)?));
-        }
-        let (_, model) = model.as_ref()?;
+        let index = places[place].run;
+        let (run, model, driven) = (&problem.data.runs[index], &models[index], &driven[index]);
         let measured = problem.data.judged(&places[place]);
         let block = place << 32 | (start as f64 * run.step / BLOCK_S) as usize;
         let mut row = start;
@@ -91,7 +91,7 @@ fn sums_by_block(
             let measured_from = (end..places[place].rows.end).find(|&k| run.is_measured(k));
             let Some(end) = measured_from else { break };
             while row < end {
-                if !model.advance(&mut point, run, row) {
+                if !driven.advance(&mut point, row) {
                     return None;
                 }
                 row += 1;

@@ -10,7 +10,7 @@ mod part_of_a_term;
 mod placed;
 mod predictor;
 
-pub use drive::Drive;
+pub use drive::{Drive, Driven};
 pub use part_of_a_term::Part;
 
 use super::kick::Kick;
@@ -425,9 +425,10 @@ impl<'a> PitchModel<'a> {
         mut point: Point,
     ) -> Option<Vec<Output>> {
         let mut outputs = Vec::with_capacity(rows.len());
+        let driven = self.driven(run);
         for k in rows {
             outputs.push(self.output(&point));
-            if !self.advance(&mut point, run, k) {
+            if !driven.advance(&mut point, k) {
                 return None;
             }
         }

@@ -53,7 +53,12 @@ impl Shift {
     }
 
     fn places(&self, k: usize) -> [(isize, f64); 2] {
-        self.ends.map(|(rows, share)| (k as isize + rows, share))
+        self.from(k as isize)
+    }
+
+    /// Where the substep begins and ends in the input, from row `k` on.
+    pub fn from(&self, k: isize) -> [(isize, f64); 2] {
+        self.ends.map(|(rows, share)| (k + rows, share))
     }
 
     pub fn over(&self, u: &[f64], k: usize) -> f64 {

@@ -1,12 +1,16 @@
 //! What drives the motion: the delayed command, what the blades make of it, and the moments that neither command nor motion make.
 //!
 //! The motion has no part in it, so that models which differ in the airframe or in the noise alone share it.
+//!
+//! Of rows that are means of several samples the mean comes last: what makes the blades of the command (a limit, a dead band, play)
+//! sees the command as it was given, and the mean over the time of a row is that of the blades.
 
 use super::placed::later;
-use super::{OWN_STATES, PitchModel, at_row};
+use super::{OWN_STATES, PitchModel, Point, at_row};
 use crate::dataset::Run;
 use crate::model::effect::Conditions;
 use crate::model::shift::Shift;
+use crate::moving_mean::MovingMean;
 
 /// What drives the motion over one substep.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,6 +37,9 @@ impl PitchModel<'_> {
 
     /// What drives the motion over the first `rows` of `run`, substep by substep.
     pub fn drives(&self, run: &Run, rows: usize) -> Vec<Drive> {
+        if let Some(input) = run.known_between().filter(|_| !self.driving.is_empty()) {
+            return self.means_of_samples(run, input, rows);
+        }
         let mut own = [0.0; OWN_STATES];
         let mut at = self.conditions;
         let mut drives = vec![Drive::default(); rows * self.substeps];
@@ -40,6 +47,40 @@ impl PitchModel<'_> {
             self.drive(&mut own, run, k, &mut at, drives);
         }
         drives
+    }
+
+    /// The same where the rows are means, and the input between them is known.
+    fn means_of_samples(&self, run: &Run, input: &MovingMean, rows: usize) -> Vec<Drive> {
+        let wide = self.substeps;
+        let half = wide.div_ceil(2) as isize;
+        let weights: Vec<f64> = (-half..=half).map(|apart| share_of_row(apart, wide)).collect();
+        let mut own = [0.0; OWN_STATES];
+        let mut at = self.conditions;
+        let all = -half..(rows * wide) as isize + half;
+        let as_given: Vec<Drive> = all
+            .map(|substep| {
+                let (row, i) =
+                    (substep.div_euclid(wide as isize), substep.rem_euclid(wide as isize) as usize);
+                let k = usize::try_from(row).unwrap_or(0).min(run.len() - 1);
+                set_beside(&mut at, run, k);
+                at.t = run.elapsed(0) + row as f64 * self.step + i as f64 * at.dt;
+                let shift = self.shift(i, run, &at);
+                let (ends, command) = input.input_between(shift.from(row));
+                self.of_command(&mut own, run, k, &mut at, (&shift, command, ends))
+            })
+            .collect();
+        let mean = |window: &[Drive], of: fn(&Drive) -> f64| {
+            window.iter().zip(&weights).map(|(drive, weight)| weight * of(drive)).sum()
+        };
+        let windows = as_given.windows(weights.len());
+        let means = windows.map(|window| Drive {
+            command: mean(window, |drive| drive.command),
+            blades: mean(window, |drive| drive.blades),
+            forced: mean(window, |drive| drive.forced),
+            change: mean(window, |drive| drive.change),
+            left: None,
+        });
+        means.take(rows * wide).collect()
     }
 
     /// The same over one sample, where the terms' own states are `own`; `at` are the conditions of any row.
@@ -55,28 +96,40 @@ impl PitchModel<'_> {
         for (i, drive) in drives.iter_mut().enumerate() {
             at.t = run.elapsed(k) + i as f64 * at.dt;
             let shift = self.shift(i, run, at);
-            at.command = shift.mean(run, k);
-            *drive = Drive { command: at.command, blades: at.command, ..Drive::default() };
-            let ends = self.is_impulsive.then(|| shift.at_ends(run, k));
-            if let Some(ends) = ends {
-                drive.left = self.left_after_jump(run, at.command, ends);
-                drive.change = -self.angle(ends[0], own, at);
-            }
-            if let Some(thrust) = &run.beside.thrust {
-                at.thrust = shift.over(thrust, k);
-                for term in self.driving.iter().filter(|term| !term.collective.is_empty()) {
-                    let carried = &mut own[term.collective.clone()];
-                    at.thrust = term.effect.actuate(term.values, carried, at.thrust, at);
-                }
-            }
-            for term in &self.driving {
-                drive.blades = term.effect.actuate(term.values, &mut own[term.own.clone()], drive.blades, at);
-                drive.forced += term.effect.forcing(term.values, at);
-            }
-            if let Some(ends) = ends {
-                drive.change += self.angle(ends[1], own, at);
+            *drive = self.of_command(own, run, k, at, (&shift, shift.mean(run, k), shift.at_ends(run, k)));
+        }
+    }
+
+    /// The same over one substep in row `k`, in which the command is `command` in the mean and goes between its `ends`.
+    fn of_command(
+        &self,
+        own: &mut [f64; OWN_STATES],
+        run: &Run,
+        k: usize,
+        at: &mut Conditions,
+        (shift, command, ends): (&Shift, f64, [f64; 2]),
+    ) -> Drive {
+        at.command = command;
+        let mut drive = Drive { command, blades: command, ..Drive::default() };
+        if self.is_impulsive {
+            drive.left = self.left_after_jump(run, command, ends);
+            drive.change = -self.angle(ends[0], own, at);
+        }
+        if let Some(thrust) = &run.beside.thrust {
+            at.thrust = shift.over(thrust, k);
+            for term in self.driving.iter().filter(|term| !term.collective.is_empty()) {
+                let carried = &mut own[term.collective.clone()];
+                at.thrust = term.effect.actuate(term.values, carried, at.thrust, at);
             }
         }
+        for term in &self.driving {
+            drive.blades = term.effect.actuate(term.values, &mut own[term.own.clone()], drive.blades, at);
+            drive.forced += term.effect.forcing(term.values, at);
+        }
+        if self.is_impulsive {
+            drive.change += self.angle(ends[1], own, at);
+        }
+        drive
     }
 
     /// What the blades' angle is under the command `u` at the moment at which the terms' own states are `own`.
@@ -100,6 +153,43 @@ impl PitchModel<'_> {
             }
         }
         self.shifts[i][usize::from(run.held)]
+    }
+}
+
+/// Share of a substep's mean over the time of a row, `wide` substeps, that comes from the one so many `apart`.
+fn share_of_row(apart: isize, wide: usize) -> f64 {
+    // where the window's end goes through that substep, it is in half of the time, or an eighth where the ends lie between two
+    let reach = 0.5 * wide as f64;
+    let inside =
+        |at: f64| ((at + reach).min(apart as f64 + 1.0) - (at - reach).max(apart as f64)).clamp(0.0, 1.0);
+    let kinks = [0.0, 0.25, 0.5, 0.75, 1.0].map(inside);
+    let simpson = |a: f64, b: f64, c: f64| (a + 4.0 * b + c) / 12.0;
+    (simpson(kinks[0], kinks[1], kinks[2]) + simpson(kinks[2], kinks[3], kinks[4])) / wide as f64
+}
+
+/// The model under the input of a run.
+pub struct Driven<'m, 'a> {
+    model: &'m PitchModel<'a>,
+    run: &'m Run,
+    /// What drives it, where that has to be known before and after a row.
+    drives: Option<Vec<Drive>>,
+}
+
+impl<'a> PitchModel<'a> {
+    /// The model under the input of `run`.
+    pub fn driven<'m>(&'m self, run: &'m Run) -> Driven<'m, 'a> {
+        let means = run.known_between().is_some() && !self.driving.is_empty();
+        Driven { model: self, run, drives: means.then(|| self.drives(run, run.len())) }
+    }
+}
+
+impl Driven<'_, '_> {
+    /// One sample further, from row `k` to row k+1. `false` when the state has diverged.
+    pub fn advance(&self, point: &mut Point, k: usize) -> bool {
+        let Some(drives) = &self.drives else { return self.model.advance(point, self.run, k) };
+        let wide = self.model.substeps;
+        let mut at = self.model.conditions;
+        self.model.moved(point, self.run, k, &mut at, &drives[k * wide..][..wide])
     }
 }
 

@@ -1,7 +1,6 @@
 //! What one term of a model does over a sample: the model with it against the model without it.
 
-use super::{PitchModel, Point};
-use crate::dataset::Run;
+use super::{Driven, PitchModel, Point};
 use crate::model::plant::Q;
 
 /// The part of one term from one row to the next.
@@ -16,18 +15,18 @@ pub struct Part {
 }
 
 impl PitchModel<'_> {
-    /// The part of the term called `id` between row `k` of `run`, where the model is at `point`, and the next; `without` is the
-    /// same model without that term. `None` where either diverges.
+    /// The part of the term called `id` between row `k`, where the model is at `point`, and the next; `without` is the
+    /// same model without that term, and both are driven by the input of a run. `None` where either diverges.
     pub fn part(
         &self,
         without: &PitchModel<'_>,
         id: &str,
         point: &Point,
-        run: &Run,
+        [with_it, without_it]: [&Driven<'_, '_>; 2],
         k: usize,
     ) -> Option<Part> {
         let (mut next, mut other) = (*point, self.less(id, point));
-        if !self.advance(&mut next, run, k) || !without.advance(&mut other, run, k) {
+        if !with_it.advance(&mut next, k) || !without_it.advance(&mut other, k) {
             return None;
         }
         let per_moment: f64 = self.per_moment_of_substep.iter().map(|response| response[Q]).sum();

@@ -97,9 +97,10 @@ impl PitchModel<'_> {
         rows: usize,
         mut visit: impl FnMut(usize, &Point),
     ) -> Option<Vec<Output>> {
+        let driven = self.driven(run);
         let next = |point: &mut Point, k: usize| {
             visit(k, point);
-            self.advance(point, run, k)
+            driven.advance(point, k)
         };
         self.predicted(run, gains, rows, next)
     }
