@@ -7,7 +7,7 @@ use sysid::model::file::{EffectEntry, ModelFile};
 /// The plant of `model`; `name` stands for its file in messages.
 ///
 /// # Errors
-/// A value that flying needs and the model does not have.
+/// A value that flying needs and the model does not have, a command that turns the craft the other way.
 pub fn plant(model: &ModelFile, name: &str) -> Result<Plant, Error> {
     let given = &model.plant;
     let needed = |value: Option<f64>, key: &str| {
@@ -16,6 +16,15 @@ pub fn plant(model: &ModelFile, name: &str) -> Result<Plant, Error> {
             help: format!("add a line {key} = NUMBER under [plant]"),
         })
     };
+    let dm_du = needed(given.dm_du, "dM_du_N_m")?;
+    if dm_du < 0.0 {
+        return Err(Error::Craft {
+            message: format!("{name}: dM_du_N_m = {dm_du} is negative: the command turns the craft the other way than the board takes it to"),
+            help: "turn the command round on the craft, read its recording with --column 'u_rad=-COLUMN' (COLUMN as the file names it) and \
+                   identify again; for a plan alone write dM_du_N_m without the minus"
+                .into(),
+        });
+    }
     let mount = match (given.mount_k, given.mount_c, given.mount_j) {
         (Some(k), Some(c), Some(j)) => Some(Mount { k, c, j }),
         _ => None,
@@ -23,7 +32,7 @@ pub fn plant(model: &ModelFile, name: &str) -> Result<Plant, Error> {
     Ok(Plant {
         inertia_kg_m2: given.inertia_kg_m2,
         dm_dq: needed(given.dm_dq, "dM_dq_N_m_s")?,
-        dm_du: needed(given.dm_du, "dM_du_N_m")?,
+        dm_du,
         delay_s: needed(given.delay_s, "delay_s")?,
         mount,
     })
@@ -58,5 +67,12 @@ mod tests {
             sysid::model::file::parse("m.toml", &format!("{text}dM_dq_N_m_s = -0.3\n"), None, &[]).unwrap();
         let plant = plant(&model, "m.toml").unwrap();
         assert_eq!((plant.dm_dq, plant.dm_du, plant.delay_s, plant.mount), (-0.3, 20.0, 0.05, None));
+    }
+
+    #[test]
+    fn a_command_that_turns_the_other_way_is_told() {
+        let text = "[plant]\ninertia_kg_m2 = 0.2\ndM_du_N_m = -20.0\ndM_dq_N_m_s = -0.3\ndelay_s = 0.05\n";
+        let model = sysid::model::file::parse("m.toml", text, None, &[]).unwrap();
+        assert!(plant(&model, "m.toml").unwrap_err().to_string().contains("the other way"));
     }
 }

@@ -27,7 +27,7 @@ pub struct MovingMean {
 
 /// A signal by its nodes, one a sample.
 #[derive(Clone, Debug, PartialEq)]
-struct Track {
+pub struct Track {
     /// Whether it is held between its nodes.
     held: bool,
     nodes: Vec<f64>,
@@ -80,6 +80,12 @@ impl MovingMean {
         self.input.between(places.map(|place| self.samples(place) + half))
     }
 
+    /// n.
+    #[must_use]
+    pub fn per_row(&self) -> usize {
+        self.per_row
+    }
+
     /// Samples from the first row to a place.
     fn samples(&self, (row, share): (isize, f64)) -> f64 {
         (row as f64 + share) * self.per_row as f64
@@ -87,7 +93,9 @@ impl MovingMean {
 }
 
 impl Track {
-    fn new(nodes: Vec<f64>, held: bool) -> Self {
+    /// Of nodes; whether it is held between them, or straight.
+    #[must_use]
+    pub fn new(nodes: Vec<f64>, held: bool) -> Self {
         let mut integral = vec![0.0; nodes.len()];
         for k in 1..nodes.len() {
             let end = if held { nodes[k - 1] } else { nodes[k] };
@@ -97,7 +105,8 @@ impl Track {
     }
 
     /// Its values at two places, in samples from the first node, and its mean between them.
-    fn between(&self, places: [f64; 2]) -> ([f64; 2], f64) {
+    #[must_use]
+    pub fn between(&self, places: [f64; 2]) -> ([f64; 2], f64) {
         let [from, to] = places.map(|place| self.reach(place));
         ([from.0, to.0], (to.1 - from.1) / (places[1] - places[0]))
     }
@@ -169,9 +178,20 @@ mod tests {
     }
 
     #[test]
+    fn the_input_itself_is_known_between_the_rows() {
+        let u: Vec<f64> = (0..40).map(|k| f64::from(k * k % 17)).collect();
+        let mean = MovingMean::new(&u, 4, true);
+        // row 3 stands in the middle of samples 12 to 15
+        let (ends, between) = mean.input_between([(3, 0.0), (3, 0.5)]);
+        assert_eq!((ends, between), ([u[14], u[16]], 0.5 * (u[14] + u[15])));
+        assert_eq!(mean.cut(2..6).input_between([(1, 0.0), (1, 0.5)]), (ends, between));
+        assert_eq!(mean.less(2.0).input_between([(3, 0.0), (3, 0.5)]).1, between - 2.0);
+    }
+
+    #[test]
     fn less_than_a_row_makes_none() {
         for held in [true, false] {
-            assert!(MovingMean::new(&[1.0, 2.0], 5, held).nodes.is_empty());
+            assert!(MovingMean::new(&[1.0, 2.0], 5, held).mean.nodes.is_empty());
         }
     }
 
@@ -180,10 +200,10 @@ mod tests {
         let u = [1.0, 1.0, 2.0, 3.0, 5.0, 5.0];
         for held in [true, false] {
             let mean = MovingMean::new(&u, 2, held);
-            let last = mean.nodes[mean.nodes.len() - 1];
+            let last = mean.mean.nodes[mean.mean.nodes.len() - 1];
             let (before, after) = (mean.between([(-3, 0.4), (-2, 0.9)]), mean.between([(7, 0.4), (9, 0.0)]));
-            assert_eq!((before.0, after.0), ([mean.nodes[0]; 2], [last; 2]));
-            assert!((before.1 - mean.nodes[0]).abs() < 1e-12 && (after.1 - last).abs() < 1e-12);
+            assert_eq!((before.0, after.0), ([mean.mean.nodes[0]; 2], [last; 2]));
+            assert!((before.1 - mean.mean.nodes[0]).abs() < 1e-12 && (after.1 - last).abs() < 1e-12);
         }
     }
 }

@@ -10,7 +10,11 @@ use super::{OWN_STATES, PitchModel, Point, at_row};
 use crate::dataset::Run;
 use crate::model::effect::Conditions;
 use crate::model::shift::Shift;
-use crate::moving_mean::MovingMean;
+use crate::moving_mean::{MovingMean, Track};
+use core::ops::Range;
+
+/// Parts of a row in which the blades follow the command, at most.
+const MOST_NODES: usize = 8;
 
 /// What drives the motion over one substep.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,21 +58,13 @@ impl PitchModel<'_> {
         let wide = self.substeps;
         let half = wide.div_ceil(2) as isize;
         let weights: Vec<f64> = (-half..=half).map(|apart| share_of_row(apart, wide)).collect();
-        let mut own = [0.0; OWN_STATES];
-        let mut at = self.conditions;
         let all = -half..(rows * wide) as isize + half;
-        let as_given: Vec<Drive> = all
-            .map(|substep| {
-                let (row, i) =
-                    (substep.div_euclid(wide as isize), substep.rem_euclid(wide as isize) as usize);
-                let k = usize::try_from(row).unwrap_or(0).min(run.len() - 1);
-                set_beside(&mut at, run, k);
-                at.t = run.elapsed(0) + row as f64 * self.step + i as f64 * at.dt;
-                let shift = self.shift(i, run, &at);
-                let (ends, command) = input.input_between(shift.from(row));
-                self.of_command(&mut own, run, k, &mut at, (&shift, command, ends))
-            })
-            .collect();
+        let plain = !self.delay_moves && !self.is_impulsive && run.beside.thrust.is_none();
+        let as_given = if plain {
+            self.before_the_delay(run, input, all)
+        } else {
+            self.behind_the_delay(run, input, all)
+        };
         let mean = |window: &[Drive], of: fn(&Drive) -> f64| {
             window.iter().zip(&weights).map(|(drive, weight)| weight * of(drive)).sum()
         };
@@ -81,6 +77,61 @@ impl PitchModel<'_> {
             left: None,
         });
         means.take(rows * wide).collect()
+    }
+
+    /// The drives of `substeps`, counted from the first row, by the command as it was given.
+    fn behind_the_delay(&self, run: &Run, input: &MovingMean, substeps: Range<isize>) -> Vec<Drive> {
+        let wide = self.substeps as isize;
+        let mut own = [0.0; OWN_STATES];
+        let mut at = self.conditions;
+        let of = |substep: isize| {
+            let (row, i) = (substep.div_euclid(wide), substep.rem_euclid(wide) as usize);
+            let k = usize::try_from(row).unwrap_or(0).min(run.len() - 1);
+            set_beside(&mut at, run, k);
+            at.t = run.elapsed(0) + row as f64 * self.step + i as f64 * at.dt;
+            let shift = self.shift(i, run, &at);
+            let (ends, command) = input.input_between(shift.from(row));
+            self.of_command(&mut own, run, k, &mut at, (&shift, command, ends))
+        };
+        substeps.map(of).collect()
+    }
+
+    /// The same of what does not change over time but for its forces: the blades follow the command sample by sample, in which it
+    /// stays as it is, and are delayed then.
+    fn before_the_delay(&self, run: &Run, input: &MovingMean, substeps: Range<isize>) -> Vec<Drive> {
+        let nodes = input.per_row().min(MOST_NODES);
+        let mut own = [0.0; OWN_STATES];
+        let mut at = Conditions { dt: self.step / nodes as f64, ..self.conditions };
+        let rows = |node: usize| node as f64 / nodes as f64 - 0.5;
+        let (mut blades, mut forced) = (Vec::new(), Vec::new());
+        for node in 0..run.len() * nodes {
+            let [from, to] = [node, node + 1].map(rows);
+            at.command = input.input_between([place(from), place(to)]).1;
+            let acts = from + self.delay / self.step;
+            set_beside(&mut at, run, (acts.max(0.0) as usize).min(run.len() - 1));
+            at.t = run.elapsed(0) + acts * self.step;
+            let mut moved = at.command;
+            let mut force = 0.0;
+            for term in &self.driving {
+                moved = term.effect.actuate(term.values, &mut own[term.own.clone()], moved, &at);
+                force += term.effect.forcing(term.values, &at);
+            }
+            blades.push(moved);
+            forced.push(force);
+        }
+        let [blades, forced] = [blades, forced].map(|means| Track::new(means, true));
+        let of = |substep: isize| {
+            let begins = substep as f64 / self.substeps as f64 - self.delay / self.step;
+            let ends = begins + 1.0 / self.substeps as f64;
+            let at_nodes = [begins, ends].map(|rows| (rows + 0.5) * nodes as f64);
+            Drive {
+                command: input.input_between([place(begins), place(ends)]).1,
+                blades: blades.between(at_nodes).1,
+                forced: forced.between(at_nodes).1,
+                ..Drive::default()
+            }
+        };
+        substeps.map(of).collect()
     }
 
     /// The same over one sample, where the terms' own states are `own`; `at` are the conditions of any row.
@@ -154,6 +205,11 @@ impl PitchModel<'_> {
         }
         self.shifts[i][usize::from(run.held)]
     }
+}
+
+/// A row, and the share of the time to the next, so many `rows` from the first.
+fn place(rows: f64) -> (isize, f64) {
+    (rows.floor() as isize, rows - rows.floor())
 }
 
 /// Share of a substep's mean over the time of a row, `wide` substeps, that comes from the one so many `apart`.
