@@ -191,7 +191,11 @@ pub fn verdict_of(answer: &Answer) -> &'static str {
 
 /// What was found, as one sentence.
 pub fn headline(answer: &Answer) -> String {
-    let sentences: Vec<String> = answer.effects.iter().map(|e| sentence(&e.id)).collect();
+    // a gust is no answer to the input, and stands behind what is
+    let is_gust = |e: &EffectAnswer| e.id == "gust_disturbance";
+    let alone = answer.effects.iter().all(is_gust);
+    let told = answer.effects.iter().filter(|e| alone || !is_gust(e));
+    let sentences: Vec<String> = told.map(|e| sentence(&e.id)).collect();
     match answer.verdict {
         Verdict::NoMismatch if answer.remainder.is_some() => "Nothing is missing that matters".into(),
         Verdict::NoMismatch => "Nothing is missing that these data would show".into(),

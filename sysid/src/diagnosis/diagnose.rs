@@ -239,6 +239,14 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
         let location = data_checks::everywhere(&checks, data);
         return with_checks(unanswered(Verdict::CheckData, String::new(), Some(location)), checks, None);
     }
+    let gain = || found.answer.told().parameters.iter().find(|p| p.name == "dM_du");
+    let may_be_zero = data.input_changes() && gain().is_some_and(|gain| gain.ci95[0] * gain.ci95[1] <= 0.0);
+    if found.answer.verdict == Verdict::NoMismatch
+        && may_be_zero
+        && let Some(reason) = excitation::gain_unknown(&problem, &answers.fit, &answers.information, closed)
+    {
+        return with_checks(unanswered(Verdict::NotExcited, reason, None), checks, balance.as_ref());
+    }
     let little = closed && !predicts(&found.answer);
     let undriven = !data.input_changes();
     let adrift = undriven && !tells_what_was_under_way(&judgement.rotation);

@@ -63,7 +63,7 @@ impl Unpacked {
 /// Samples by which a measurement may be stamped before the input that moved it: a row and half a hold.
 const STAMPED_EARLY: f64 = 1.5;
 /// Longest loop delay, s.
-const LONGEST_DELAY: f64 = 0.3;
+pub const LONGEST_DELAY: f64 = 0.3;
 /// Mean angle from which its zero matters, as a share of the angle's spread.
 const ASIDE: f64 = 0.5;
 /// Standard deviation of the prior on ln(mount frequency): the user's model may be off by half.

@@ -1,7 +1,8 @@
 //! Cells without a number: empty, NaN, or a word that loggers write for it.
 //!
 //! A row without time, input, rate or angle is left out: the clock then sees a gap. A command that was logged less often than the
-//! motion is carried from each of its rows to the next. A column that is not needed in every
+//! motion is carried from each of its rows to the next, and the readings of a rate or an angle that was logged less often than the
+//! other are joined by straight lines. A column that is not needed in every
 //! row is bridged there, commands held, measured signals by straight lines. A column without any number, and a rate or
 //! angle that is missing in most rows while the other is there, is not used. All of it is told.
 
@@ -18,6 +19,9 @@ const LINES_TOLD: usize = 5;
 
 /// Rows with a measurement between two with the command, by their median, from which on it was logged less often.
 const SLOWER: f64 = 1.5;
+/// Readings of a rate or an angle that follow each other in this time or less, s, are joined, over so many times as long at most.
+const SLOWEST_JOINED_S: f64 = 0.06;
+const LONGEST_JOINED: f64 = 3.5;
 /// Times its usual distance for which such a command is held; longer, it is missing.
 const LONGEST_HOLD: f64 = 10.0;
 
@@ -33,6 +37,7 @@ pub(super) fn is_missing(cell: &str) -> bool {
 
 /// Leaves no cell without a number in `table`, whose input is as `hold` says between its rows.
 pub(super) fn leave_out(table: &mut Table, hold: InputHold, notes: &mut Vec<Note>) -> Result<(), Error> {
+    join_slower_output(table, notes);
     drop_sparse(table, notes)?;
     carry_slower_commands(table, hold == InputHold::Held, notes);
     for signal in table.signals.iter_mut().filter(|signal| !is_needed(signal)) {
@@ -107,6 +112,36 @@ fn carry_slower_commands(table: &mut Table, held: bool, notes: &mut Vec<Note>) {
             signal.source.name,
             with_motion,
             counted(count(0..t.len()), "row")
+        );
+        notes.push(Note::new(NoteKind::Missing, text));
+    }
+}
+
+/// Joins the readings of a rate or an angle that was logged less often than the other, where they follow on each other quickly.
+fn join_slower_output(table: &mut Table, notes: &mut Vec<Note>) {
+    let t = &table.t;
+    let found = |signal: &Signal| t.len() - missing(&signal.values).len();
+    let most = table.signals.iter().filter(|signal| is_output(signal)).map(found).max().unwrap_or(0);
+    for signal in table.signals.iter_mut().filter(|signal| is_output(signal)) {
+        let known: Vec<usize> =
+            (0..t.len()).filter(|&row| !signal.values[row].is_nan() && t[row].is_finite()).collect();
+        let usual = median(known.windows(2).map(|pair| t[pair[1]] - t[pair[0]]));
+        let Some(usual) = usual.filter(|usual| *usual <= SLOWEST_JOINED_S && 2 * known.len() < most) else {
+            continue;
+        };
+        for pair in known.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let (begins, lasts) = (t[from], t[to] - t[from]);
+            let (before, after) = (signal.values[from], signal.values[to]);
+            for row in (from + 1..to).filter(|_| lasts <= LONGEST_JOINED * usual) {
+                signal.values[row] = before + (after - before) * (t[row] - begins) / lasts;
+            }
+        }
+        let text = format!(
+            "{} has a number in {} of {}: logged less often, its readings are joined by straight lines",
+            signal.source.name,
+            known.len(),
+            counted(t.len(), "row")
         );
         notes.push(Note::new(NoteKind::Missing, text));
     }

@@ -27,6 +27,7 @@ mod options;
 pub(crate) mod plateaus;
 mod proposal;
 pub(crate) mod rate_and_angle;
+mod restarts;
 mod same_stamps;
 mod sections;
 mod sniff;
@@ -247,6 +248,7 @@ fn on_grid(
     mut notes: Vec<Note>,
 ) -> Result<Recording, Error> {
     stray_stamps::leave_out(&mut table, &mut notes);
+    restarts::put_behind(&mut table, &mut notes);
     sections::relabel(&mut table, options, &mut notes)?;
     let in_turns = full_turns::add(&mut table, &mut notes);
     summed_angle::leave_out(&mut table, &mut notes);

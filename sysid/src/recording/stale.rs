@@ -30,13 +30,24 @@ struct Slow {
     median: usize,
 }
 
-/// For every row, whether no output is new in it; empty where all are. Tells which are slower than the log of `step` s.
-pub(super) fn rows(table: &Table, step: f64, notes: &mut Vec<Note>) -> Vec<bool> {
-    let outputs = table.signals.iter().filter(|s| matches!(s.source.role, Role::Q | Role::Theta));
-    let slow: Vec<(&Signal, Option<Slow>)> = outputs.map(|signal| (signal, slow(&signal.values))).collect();
+/// For every row, whether no output is new in it; empty where all are. Tells which are slower than the log of `step` s. Readings of
+/// a slower one beside one that is new in each row are joined by straight lines.
+pub(super) fn rows(table: &mut Table, step: f64, notes: &mut Vec<Note>) -> Vec<bool> {
+    let outputs = table.signals.iter_mut().filter(|s| matches!(s.source.role, Role::Q | Role::Theta));
+    let mut slow: Vec<(&mut Signal, Option<Slow>)> = outputs
+        .map(|signal| {
+            let slow = slow(&signal.values);
+            (signal, slow)
+        })
+        .collect();
     let all = slow.iter().all(|(_, slow)| slow.is_some());
-    for (signal, slow) in slow.iter().filter_map(|(signal, slow)| Some((signal, slow.as_ref()?))) {
-        let left_out = if all { "; rows in which no output is new do not count" } else { "" };
+    for (signal, slow) in slow.iter_mut().filter_map(|(signal, slow)| Some((signal, slow.as_ref()?))) {
+        let left_out = if all {
+            "; rows in which no output is new do not count"
+        } else {
+            join(&mut signal.values, &slow.stale);
+            "; its readings are joined by straight lines"
+        };
         let late = step * (slow.median.max(2) as f64 - 1.0);
         let text = format!(
             "{} changes only every {:.1} samples while it moves: it is measured more slowly than it is logged, and up to {late:.4} s \
@@ -51,6 +62,17 @@ pub(super) fn rows(table: &Table, step: f64, notes: &mut Vec<Note>) -> Vec<bool>
     (0..table.t.len())
         .map(|row| slow.iter().all(|(_, slow)| slow.as_ref().is_some_and(|s| s.stale[row])))
         .collect()
+}
+
+/// Puts what is stale onto the straight line between the readings before and after it.
+fn join(values: &mut [f64], stale: &[bool]) {
+    let fresh: Vec<usize> = (0..values.len()).filter(|&row| !stale[row]).collect();
+    for pair in fresh.windows(2) {
+        let (from, to) = (values[pair[0]], values[pair[1]]);
+        for row in pair[0] + 1..pair[1] {
+            values[row] = from + (to - from) * (row - pair[0]) as f64 / (pair[1] - pair[0]) as f64;
+        }
+    }
 }
 
 /// The step than which one in a thousand is smaller: a single value that was bridged or made continuous stands between two others.

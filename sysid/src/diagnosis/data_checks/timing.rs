@@ -9,7 +9,7 @@ use crate::diagnosis::estimates::estimates_of;
 use crate::diagnosis::input_hold::half_a_sample;
 use crate::estimate::{Estimate, digits};
 use crate::likelihood::fit::Fit;
-use crate::likelihood::problem::Problem;
+use crate::likelihood::problem::{LONGEST_DELAY, Problem};
 use crate::model::baseline::Baseline;
 use crate::optim::levenberg_marquardt::{Effort, minimize};
 
@@ -23,6 +23,8 @@ const CLEAR: f64 = 3.9;
 const STEPS: f64 = 0.5;
 /// Difference of 2 ln likelihood from which one way between samples is preferred.
 const PREFERRED: f64 = 10.0;
+/// Share of the range searched from which on an interval says nothing.
+const ALL_OF_IT: f64 = 0.9;
 const DELAY: &str = "delay";
 const EXTRA: &str = "extra_delay";
 
@@ -48,6 +50,7 @@ pub fn delay(problem: &Problem<'_>, fit: &Fit, told: &[Estimate]) -> DataCheck {
                     samples(found.value)
                 ),
             ),
+            Some(found) if is_anything(problem, found) => DataCheck::cannot_tell(DELAY, anything(found)),
             Some(found) => DataCheck::ruled_out(
                 DELAY,
                 format!("no model fixes it: estimated, {} ({})", found, samples(found.value)),
@@ -77,6 +80,12 @@ pub fn delay(problem: &Problem<'_>, fit: &Fit, told: &[Estimate]) -> DataCheck {
     let Some(wanted) = estimates_of(&free, &found).into_iter().find(|e| e.name == DELAY) else {
         return DataCheck::cannot_tell(DELAY, "it could not be estimated");
     };
+    if is_anything(&free, &wanted) {
+        return DataCheck::cannot_tell(
+            DELAY,
+            format!("{}; the model has {} s", anything(&wanted), digits(model)),
+        );
+    }
     let error = (wanted.ci95[1] - wanted.ci95[0]) / 3.92;
     let described = format!(
         "the data want {} ({}), the model has {} s ({})",
@@ -93,6 +102,16 @@ pub fn delay(problem: &Problem<'_>, fit: &Fit, told: &[Estimate]) -> DataCheck {
     } else {
         DataCheck::cannot_tell(DELAY, described)
     }
+}
+
+/// Whether a delay's interval is that of the search.
+fn is_anything(problem: &Problem<'_>, delay: &Estimate) -> bool {
+    delay.ci95[1] - delay.ci95[0] > ALL_OF_IT * (LONGEST_DELAY - problem.earliest())
+}
+
+fn anything(delay: &Estimate) -> String {
+    let [from, to] = delay.ci95.map(digits);
+    format!("any from {from} to {to} s goes with the data")
 }
 
 /// `fit` of a problem whose delay was held, with the delay free from `start` on.
