@@ -80,9 +80,15 @@ fn enough(data: &Dataset, training: &[Place]) -> bool {
     !training.is_empty() && data.motion(training) >= LEFT_TO_FIT * data.motion(&data.places())
 }
 
-/// Labels of places.
+/// Labels of places, each once: a gap cuts a section into several places.
 pub fn labels(places: &[Place]) -> Vec<String> {
-    places.iter().map(|p| p.label.clone()).collect()
+    let mut labels: Vec<String> = Vec::new();
+    for place in places {
+        if !labels.contains(&place.label) {
+            labels.push(place.label.clone());
+        }
+    }
+    labels
 }
 
 #[cfg(test)]

@@ -5,6 +5,8 @@ use crate::catalogue::spectral_lines::lines;
 use crate::dataset::Dataset;
 use crate::estimate::{Estimate, NORMAL_95, digits};
 use crate::identify::output_error::OutputErrorFit;
+use crate::identify::output_error::delay_profile::DelayProfile;
+use crate::model::baseline::Baseline;
 
 /// Two estimates lie apart where they differ by more of their joint standard deviations than this.
 const APART: f64 = 3.0;
@@ -45,6 +47,23 @@ pub(super) fn delay_on_bound(fits: &[&OutputErrorFit]) -> Option<String> {
         format!(
             "the delay runs to its bound, {} s: what turns the phase is something else, and gain and damping are bent with it; {BEFORE}",
             digits(fit.plant.delay)
+        )
+    })
+}
+
+/// That the model holds a delay that the data contradict: gain and damping are bent by the difference.
+pub(super) fn delay_held(baseline: &Baseline, profile: Option<&DelayProfile>) -> Option<String> {
+    let held = baseline.plant.delay;
+    let profile = profile.filter(|_| !baseline.delay_free)?;
+    let [low, high] = profile.ci95_s;
+    (held < low || held > high).then(|| {
+        format!(
+            "the model has a delay of {} s and holds it, the data want {} s ({} to {}): gain and damping are bent by that; leave delay_s \
+             out of the model, and it is estimated",
+            digits(held),
+            digits(profile.best_s),
+            digits(low),
+            digits(high)
         )
     })
 }

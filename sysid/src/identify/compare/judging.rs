@@ -70,19 +70,26 @@ impl<'a> Work<'a> {
         let held = self.held_out.iter().map(|(place, piece)| (*place, piece, true));
         let trained =
             self.split.training.iter().zip(&self.training).map(|(place, piece)| (place, piece, false));
+        // the pieces of a section that gaps have cut are one section
+        let mut sections: BTreeMap<&str, (Signals, Vec<f64>, bool)> = BTreeMap::new();
         for (place, piece, is_held) in trained.chain(held) {
             let Some(simulated) = model.simulate(piece) else { continue };
-            let measured = &piece.y[piece.rows.clone()];
-            line.vaf_percent.insert(place.label.clone(), vaf(measured, &simulated));
+            let (signals, all, held) = sections.entry(place.label.as_str()).or_default();
+            signals.add(piece);
+            all.extend(simulated);
+            *held = is_held;
+        }
+        for (label, (Signals { u, y }, simulated, is_held)) in sections {
+            line.vaf_percent.insert(label.to_owned(), vaf(&y, &simulated));
             if is_held {
-                let errors: Vec<f64> = measured.iter().zip(&simulated).map(|(y, s)| y - s).collect();
+                let errors: Vec<f64> = y.iter().zip(&simulated).map(|(y, s)| y - s).collect();
                 let lags = (TESTED_S / self.step).ceil() as usize;
                 let tests = ResidualTests {
                     whiteness: whiteness(&errors, lags),
-                    input: cross_correlation(&piece.u[piece.rows.clone()], &errors, lags),
+                    input: cross_correlation(&u, &errors, lags),
                 };
-                line.tests.insert(place.label.clone(), tests);
-                line.simulated.insert(place.label.clone(), simulated);
+                line.tests.insert(label.to_owned(), tests);
+                line.simulated.insert(label.to_owned(), simulated);
             }
         }
         if line.vaf_percent.is_empty() {
@@ -107,19 +114,23 @@ impl<'a> Work<'a> {
 
     /// By held-out section, the best of taps fitted to it alone, and of each method with taps on what it leaves over.
     pub fn ceilings(&self, methods: &[MethodResult]) -> BTreeMap<String, f64> {
-        let ceiling = |(place, piece): &(&Place, Piece)| {
-            let (u, y) = (&piece.u[piece.rows.clone()], &piece.y[piece.rows.clone()]);
+        let mut sections: BTreeMap<&str, Signals> = BTreeMap::new();
+        for (place, piece) in &self.held_out {
+            sections.entry(place.label.as_str()).or_default().add(piece);
+        }
+        let ceiling = |(label, Signals { u, y }): (&str, Signals)| {
+            let (u, y) = (u.as_slice(), y.as_slice());
             let taps = self.taps().min(y.len() / 10).max(1);
             let alone = ceiling_vaf(u, y, taps).ok();
             let beyond = methods.iter().filter_map(|method| {
-                let simulated = method.simulated.get(&place.label)?;
+                let simulated = method.simulated.get(label).filter(|simulated| simulated.len() == y.len())?;
                 let left: Vec<f64> = y.iter().zip(simulated).map(|(y, s)| y - s).collect();
                 let explained = ceiling_vaf(u, &left, taps).unwrap_or(0.0);
                 Some(100.0 - (100.0 - vaf(y, simulated)) * (100.0 - explained) / 100.0)
             });
-            Some((place.label.clone(), alone.into_iter().chain(beyond).reduce(f64::max)?))
+            Some((label.to_owned(), alone.into_iter().chain(beyond).reduce(f64::max)?))
         };
-        self.held_out.iter().filter_map(ceiling).collect()
+        sections.into_iter().filter_map(ceiling).collect()
     }
 
     /// Response without a model, of the training sections.
@@ -141,6 +152,20 @@ impl<'a> Work<'a> {
             sum > POWER_BELOW
         });
         Butterworth { cutoff: beyond.map_or(PAPER.cutoff, |line| line.omega_rad_s.clamp(3.0, 60.0)), ..PAPER }
+    }
+}
+
+/// Input and output of the pieces of a section, one after the other.
+#[derive(Default)]
+struct Signals {
+    u: Vec<f64>,
+    y: Vec<f64>,
+}
+
+impl Signals {
+    fn add(&mut self, piece: &Piece) {
+        self.u.extend(&piece.u[piece.rows.clone()]);
+        self.y.extend(&piece.y[piece.rows.clone()]);
     }
 }
 

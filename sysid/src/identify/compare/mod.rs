@@ -207,6 +207,7 @@ pub fn identify_on(
     let [pi, po] = black_box::subspace(&work, grey.plant.delay);
     methods.extend([pi.line.clone(), po.line]);
     let mut cautions = grey.cautions;
+    cautions.extend(cautions::delay_held(baseline, grey.delay.as_ref()));
     cautions.extend(cautions::one_frequency(data));
     cautions.extend(cautions::lacking(&grey.lines[0], &methods, &labels(&split.held_out)));
     methods.extend(grey.lines);
