@@ -16,7 +16,7 @@ pub fn plant(model: &ModelFile, name: &str) -> Result<Plant, Error> {
             help: format!("add a line {key} = NUMBER under [plant]"),
         })
     };
-    let dm_du = needed(given.dm_du, "dM_du_N_m")?;
+    let (dm_dq, dm_du) = (needed(given.dm_dq, "dM_dq_N_m_s")?, needed(given.dm_du, "dM_du_N_m")?);
     if dm_du < 0.0 {
         return Err(Error::Craft {
             message: format!("{name}: dM_du_N_m = {dm_du} is negative: the command turns the craft the other way than the board takes it to"),
@@ -31,7 +31,7 @@ pub fn plant(model: &ModelFile, name: &str) -> Result<Plant, Error> {
     };
     Ok(Plant {
         inertia_kg_m2: given.inertia_kg_m2,
-        dm_dq: needed(given.dm_dq, "dM_dq_N_m_s")?,
+        dm_dq,
         dm_du,
         delay_s: needed(given.delay_s, "delay_s")?,
         mount,

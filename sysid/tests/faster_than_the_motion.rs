@@ -55,7 +55,7 @@ fn excited(time: f64, [q, theta]: [f64; 2], draw: f64, level: &mut f64) -> f64 {
     if theta.abs() > 0.4 {
         return -0.012 * theta.signum() - 0.01 * q;
     }
-    if (time / STEP).round() as usize % 10 == 0 {
+    if ((time / STEP).round() as usize).is_multiple_of(10) {
         *level = 0.01_f64.copysign(draw);
     }
     *level

@@ -10,6 +10,8 @@ const LEAST_STEPS: f64 = 10.0;
 /// Rows that each run has at least, and how many runs a file has at most.
 const LEAST_ROWS: usize = 30;
 const MOST_RUNS: usize = 50;
+/// Rows over which the clock of a run goes on at its pace.
+const FIRST_ROWS: usize = 10;
 /// Pause that is put between two runs, s: how long it was is not known.
 const PAUSE_S: f64 = 10.0;
 /// Values of a counter, of 16 and of 32 bits.
@@ -25,7 +27,10 @@ pub(super) fn put_behind(table: &mut Table, notes: &mut Vec<Note>) {
     let step = median_step(t, 1);
     let ends = starts.iter().skip(1).copied().chain([t.len()]);
     let is_run = |(&start, end): (&usize, usize)| {
-        t[start - 1] - t[start] > LEAST_STEPS * step && end - start >= LEAST_ROWS
+        let falls = t[start - 1] - t[start] > LEAST_STEPS * step && end - start >= LEAST_ROWS;
+        // a few stray stamps go back to where the clock was
+        let goes_on = || t[start + FIRST_ROWS] - t[start] < 2.0 * FIRST_ROWS as f64 * step;
+        falls && goes_on()
     };
     if step <= 0.0 || starts[0] < LEAST_ROWS || !starts.iter().zip(ends).all(is_run) {
         return;
@@ -92,5 +97,6 @@ mod tests {
     fn what_is_no_run_is_refused() {
         assert!(read(|k| 0.02 * if k < 390 { k } else { k - 390 } as f64).is_err(), "ten rows");
         assert!(read(|k| 0.02 * k as f64 - if k < 200 { 0.0 } else { 0.07 }).is_err(), "set back a little");
+        assert!(read(|k| if (50..53).contains(&k) { 0.1 } else { 0.02 * k as f64 }).is_err(), "strays");
     }
 }

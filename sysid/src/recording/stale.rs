@@ -69,8 +69,9 @@ fn join(values: &mut [f64], stale: &[bool]) {
     let fresh: Vec<usize> = (0..values.len()).filter(|&row| !stale[row]).collect();
     for pair in fresh.windows(2) {
         let (from, to) = (values[pair[0]], values[pair[1]]);
-        for row in pair[0] + 1..pair[1] {
-            values[row] = from + (to - from) * (row - pair[0]) as f64 / (pair[1] - pair[0]) as f64;
+        let each = (to - from) / (pair[1] - pair[0]) as f64;
+        for (k, value) in values[pair[0]..pair[1]].iter_mut().enumerate().skip(1) {
+            *value = from + each * k as f64;
         }
     }
 }
