@@ -111,6 +111,22 @@ impl Track {
         ([from.0, to.0], (to.1 - from.1) / (places[1] - places[0]))
     }
 
+    /// The mean between two places of its mean over `width` samples about each, where it is held: that is straight from node to node
+    /// for a whole number of samples.
+    #[must_use]
+    pub fn mean_of_means(&self, [from, to]: [f64; 2], width: usize) -> f64 {
+        let half = 0.5 * width as f64;
+        let mean = |place: f64| self.between([place - half, place + half]).1;
+        let (mut at, mut value, mut sum) = (from, mean(from), 0.0);
+        while at < to {
+            let next = ((at + half).floor() + 1.0 - half).min(to);
+            let there = mean(next);
+            sum += 0.5 * (value + there) * (next - at);
+            (at, value) = (next, there);
+        }
+        sum / (to - from)
+    }
+
     /// Its value and its integral at a place.
     fn reach(&self, place: f64) -> (f64, f64) {
         if place < 0.0 {
@@ -186,6 +202,26 @@ mod tests {
         assert_eq!((ends, between), ([u[14], u[16]], 0.5 * (u[14] + u[15])));
         assert_eq!(mean.cut(2..6).input_between([(1, 0.0), (1, 0.5)]), (ends, between));
         assert_eq!(mean.less(2.0).input_between([(3, 0.0), (3, 0.5)]).1, between - 2.0);
+    }
+
+    #[test]
+    fn the_mean_over_a_row_of_what_follows_the_input_is_that_of_the_input_where_it_is_the_same() {
+        let u: Vec<f64> = (0..40).map(|k| f64::from(k * k % 17)).collect();
+        for per_row in [1, 2, 3, 4] {
+            let (mean, same) = (MovingMean::new(&u, per_row, true), Track::new(u.clone(), true));
+            for begins in [2.0, 2.3, 2.71] {
+                let places = [begins, begins + 0.5].map(|row: f64| (row.floor() as isize, row.fract()));
+                let at = [begins, begins + 0.5].map(|row| (row + 0.5) * per_row as f64);
+                // the input's mean is known at its samples, and held between them
+                let fine = (0..2000).map(|i| {
+                    let middle = at[0] + (at[1] - at[0]) * (f64::from(i) + 0.5) / 2000.0;
+                    let half = 0.5 * per_row as f64;
+                    same.between([middle - half, middle + half]).1
+                });
+                assert!((same.mean_of_means(at, per_row) - fine.sum::<f64>() / 2000.0).abs() < 1e-3);
+                assert!((mean.between(places).1 - same.mean_of_means(at, per_row)).abs() < 6.0);
+            }
+        }
     }
 
     #[test]

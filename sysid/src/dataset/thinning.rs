@@ -94,6 +94,7 @@ impl Run {
     fn sampled(&self, factor: usize) -> Self {
         let blocks = self.len().saturating_sub(1) / factor;
         let picked = |x: &[f64]| -> Vec<f64> { x.iter().copied().step_by(factor).take(blocks).collect() };
+        let averaged = self.averaged(factor);
         Self {
             start: self.start,
             held: true,
@@ -103,7 +104,17 @@ impl Run {
             angle: self.angle.as_deref().map(picked),
             rate_limit: self.rate_limit,
             unmeasured: self.unmeasured.iter().copied().step_by(factor).take(blocks).collect(),
-            ..self.averaged(factor)
+            beside: Beside {
+                roll_and_yaw: self
+                    .beside
+                    .roll_and_yaw
+                    .as_ref()
+                    .map(|rows| rows.iter().copied().step_by(factor).take(blocks).collect()),
+                roll_rate: self.beside.roll_rate.as_deref().map(picked),
+                voltage: self.beside.voltage.as_deref().map(picked),
+                ..averaged.beside
+            },
+            ..averaged
         }
     }
 

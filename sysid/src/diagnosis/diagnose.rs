@@ -241,10 +241,11 @@ fn answered(asked: &Asked<'_>, baseline: &Baseline) -> Result<Diagnosis, Error> 
     }
     let gain = || found.answer.told().parameters.iter().find(|p| p.name == "dM_du");
     let may_be_zero = data.input_changes() && gain().is_some_and(|gain| gain.ci95[0] * gain.ci95[1] <= 0.0);
-    if found.answer.verdict == Verdict::NoMismatch
-        && may_be_zero
-        && let Some(reason) = excitation::gain_unknown(&problem, &answers.fit, &answers.information, closed)
-    {
+    if found.answer.verdict == Verdict::NoMismatch && may_be_zero {
+        let known = excitation::gain_unknown(&problem, &answers.fit, &answers.information, closed);
+        let reason = known.unwrap_or_else(|| {
+            "The data cannot tell: the interval of dM/du holds zero. Use a larger amplitude or a longer test.".into()
+        });
         return with_checks(unanswered(Verdict::NotExcited, reason, None), checks, balance.as_ref());
     }
     let little = closed && !predicts(&found.answer);

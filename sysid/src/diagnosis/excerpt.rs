@@ -7,7 +7,7 @@
 
 use super::change_point::best_moment;
 use super::levels::MOST_TERMS;
-use super::posterior::Selection;
+use super::posterior::{Selection, Visited};
 use super::search::worth_a_fit;
 use super::selection::Search;
 use crate::dataset::{Beside, Dataset, Place, Run, pieces};
@@ -105,8 +105,10 @@ pub fn carried(mut search: Search<'_, '_>, excerpt: &Problem<'_>, of: &Selection
     for fit in fits {
         search.visit(fit);
     }
-    search.with_third_pole(0);
-    let baseline = search.best_of_all(0, |v| v.fit.effects.iter().all(|e| e.is_background()));
+    let of_the_day = |v: &Visited| v.fit.effects.iter().all(|e| e.is_background());
+    let told = search.best_of_all(0, of_the_day);
+    search.with_third_pole(told);
+    let baseline = search.best_of_all(0, of_the_day);
     // What acts from some moment on may lie between the stretches.
     let timed = search.candidates.acting_from_a_moment();
     let likeliest = search.best_named(baseline);

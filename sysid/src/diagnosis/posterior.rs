@@ -128,9 +128,9 @@ impl Visited {
         let moving = self.own(problem).into_iter().filter(|&i| self.information.moves(i));
         let background = (0..self.fit.effects.len()).filter(|&i| self.fit.effects[i].is_background());
         // A pole of the background that has gone to its bound is none.
-        let of_background =
-            self.information.occam(background.flat_map(|i| self.fit.own_range(problem, i)), divisor);
-        let occam = self.information.occam(moving, divisor).unwrap_or(0.0) + of_background.unwrap_or(0.0);
+        let of_one = |i| self.information.occam(self.fit.own_range(problem, i), divisor).unwrap_or(0.0);
+        let of_background: f64 = background.map(of_one).sum();
+        let occam = self.information.occam(moving, divisor).unwrap_or(0.0) + of_background;
         -0.5 * criterion / divisor + occam + self.log_prior
     }
 }

@@ -246,7 +246,8 @@ impl Search<'_, '_> {
             self.candidates.named.iter().filter_map(read).collect();
         let fits: Vec<Fit> = all.iter().filter_map(|(e, own)| fit_afresh(self.problem, &[*e], own)).collect();
         let visited: Vec<usize> = fits.into_iter().filter_map(|fit| self.visit(fit)).collect();
-        let after: Vec<usize> = visited.into_iter().map(|i| self.with_third_pole(i)).collect();
+        let told: Vec<usize> = visited.into_iter().map(|i| self.with_command_news(i)).collect();
+        let after: Vec<usize> = told.into_iter().map(|i| self.with_third_pole(i)).collect();
         self.better_than(place, &after)
     }
 

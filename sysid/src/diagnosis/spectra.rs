@@ -92,8 +92,9 @@ fn background_of(problem: &Problem<'_>, fit: &Fit, omegas: &[f64]) -> Option<Vec
     };
     problem.track(&unpacked, visit, &mut |_, _| {})?;
     let judged = usize::from(!problem.data.has_rate);
+    let driven = model.driven(run);
     let from = |k: usize, point| -> Option<Vec<f64>> {
-        Some(model.simulate(run, k..k + follow, point)?.iter().map(|y| y[judged]).collect())
+        Some(driven.simulate(k..k + follow, point)?.iter().map(|y| y[judged]).collect())
     };
     let factor = covariance(&fit.minimum.residuals);
     let [a, b, c] = [factor[(0, 0)], factor[(1, 0)], factor[(1, 1)]];

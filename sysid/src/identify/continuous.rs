@@ -29,6 +29,8 @@ const MOST_ROOTS: usize = 100;
 const MOST_STEPS: usize = 200;
 /// A pole whose angle is within this of π counts as negative.
 const ON_THE_AXIS: f64 = 1e-9;
+/// A delay below this is the rounding of two others, s.
+const SHORTEST_DELAY_S: f64 = 1e-6;
 /// A pole below this counts as zero.
 const ZERO: f64 = 1e-12;
 /// Largest relative error of exp(log M).
@@ -183,7 +185,7 @@ impl ContinuousStateSpace {
                 "give one no longer, of one input and one output",
             ));
         }
-        if late == 0.0 {
+        if late < SHORTEST_DELAY_S {
             return Ok(self.clone());
         }
         // ẋ = −2/h x + 4/h u, v = x − u

@@ -2,12 +2,13 @@
 //!
 //! Each section starts from its own estimated state: the predictor's corrected state at the section's first sample.
 
-use crate::dataset::Place;
+use crate::dataset::{Place, Run};
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::{Problem, Unpacked};
-use crate::model::pitch::{Output, Point};
+use crate::model::pitch::{Driven, Output, Point};
 use crate::optim::levenberg_marquardt::{Coordinate, Effort, Minimum, Residuals, minimize};
 use crate::validate::vaf::{vaf, variance};
+use core::cell::OnceCell;
 
 /// States of the predictor at the first sample of each of `places`.
 pub fn starting_points(problem: &Problem<'_>, unpacked: &Unpacked, places: &[Place]) -> Option<Vec<Point>> {
@@ -30,13 +31,14 @@ pub fn simulate(
     places: &[Place],
     points: &[Point],
 ) -> Option<Vec<Vec<Output>>> {
-    let mut simulated = Vec::with_capacity(places.len());
-    for (place, point) in places.iter().zip(points) {
-        let run = &problem.data.runs[place.run];
-        let model = problem.model(unpacked, run.step)?;
-        simulated.push(model.simulate(run, place.rows.clone(), *point)?);
-    }
-    Some(simulated)
+    let of_run = |run: &Run| problem.model(unpacked, run.step);
+    let models = problem.data.runs.iter().map(of_run).collect::<Option<Vec<_>>>()?;
+    let driven: Vec<OnceCell<Driven<'_, '_>>> = models.iter().map(|_| OnceCell::new()).collect();
+    let free = |(place, point): (&Place, &Point)| {
+        let under = || models[place.run].driven(&problem.data.runs[place.run]);
+        driven[place.run].get_or_init(under).simulate(place.rows.clone(), *point)
+    };
+    places.iter().zip(points).map(free).collect()
 }
 
 /// The same channel of a simulation.

@@ -11,7 +11,8 @@ use super::evidence::BLOCK_S;
 use super::free_run::judged_channel;
 use super::problem::{Problem, Unpacked};
 use crate::dataset::{Place, Run};
-use crate::model::pitch::Point;
+use crate::model::pitch::{Driven, Point};
+use core::cell::OnceCell;
 
 /// Predictions start this far apart, s.
 const STRIDE_S: f64 = 0.1;
@@ -78,11 +79,11 @@ fn sums_by_block(
     let mut sums: Vec<Vec<Block>> = vec![Vec::new(); horizons.len()];
     let of_run = |run: &Run| problem.model(unpacked, run.step);
     let models = problem.data.runs.iter().map(of_run).collect::<Option<Vec<_>>>()?;
-    let driven: Vec<_> =
-        models.iter().zip(&problem.data.runs).map(|(model, run)| model.driven(run)).collect();
+    let driven: Vec<OnceCell<Driven<'_, '_>>> = models.iter().map(|_| OnceCell::new()).collect();
     for (place, start, mut point) in starts {
         let index = places[place].run;
-        let (run, model, driven) = (&problem.data.runs[index], &models[index], &driven[index]);
+        let (run, model) = (&problem.data.runs[index], &models[index]);
+        let driven = driven[index].get_or_init(|| model.driven(run));
         let measured = problem.data.judged(&places[place]);
         let block = place << 32 | (start as f64 * run.step / BLOCK_S) as usize;
         let mut row = start;

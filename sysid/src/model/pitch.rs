@@ -418,21 +418,8 @@ impl<'a> PitchModel<'a> {
     }
 
     /// Free run: simulates rows `rows` of `run` from `point`, the state at the first of them.
-    pub fn simulate(
-        &self,
-        run: &Run,
-        rows: core::ops::Range<usize>,
-        mut point: Point,
-    ) -> Option<Vec<Output>> {
-        let mut outputs = Vec::with_capacity(rows.len());
-        let driven = self.driven(run);
-        for k in rows {
-            outputs.push(self.output(&point));
-            if !driven.advance(&mut point, k) {
-                return None;
-            }
-        }
-        Some(outputs)
+    pub fn simulate(&self, run: &Run, rows: core::ops::Range<usize>, point: Point) -> Option<Vec<Output>> {
+        self.driven(run).simulate(rows, point)
     }
 }
 

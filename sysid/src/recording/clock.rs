@@ -90,7 +90,7 @@ pub(super) fn onto_grid(
     } else {
         snap(&mut table.t, &stretches, step, jitter, notes);
     }
-    if table.unmeasured.is_empty() {
+    if !table.unmeasured.contains(&true) {
         table.unmeasured = stale::rows(table, step, notes);
     }
     let segments = resample(table, &stretches, step, varying, options.input_hold, notes);

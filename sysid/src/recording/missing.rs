@@ -133,7 +133,7 @@ fn join_slower_output(table: &mut Table, notes: &mut Vec<Note>) {
             let (from, to) = (pair[0], pair[1]);
             let (begins, lasts) = (t[from], t[to] - t[from]);
             let (before, after) = (signal.values[from], signal.values[to]);
-            for row in (from + 1..to).filter(|_| lasts <= LONGEST_JOINED * usual) {
+            for row in (from + 1..to).filter(|_| lasts > 0.0 && lasts <= LONGEST_JOINED * usual) {
                 signal.values[row] = before + (after - before) * (t[row] - begins) / lasts;
             }
         }

@@ -33,7 +33,7 @@ pub struct Stretch {
     pub known: Vec<Known>,
     /// Which rows count.
     pub counted: Vec<bool>,
-    /// Rows that repeat the last reading; empty where there are none.
+    /// Rows in which nothing was measured; empty where there are none.
     pub unmeasured: Vec<bool>,
 }
 

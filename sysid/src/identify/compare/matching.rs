@@ -118,9 +118,15 @@ fn try_match(
         Replicates::default()
     };
     let (grey, black) = (grey_box(work, &found.plant), LinearModel::Sampled(model.clone()));
-    let agreement = |(place, piece): &(&crate::dataset::Place, crate::identify::fir::Piece)| {
-        Some((place.label.clone(), vaf(&black.simulate(piece)?, &grey.simulate(piece)?)))
-    };
+    let mut free_runs: BTreeMap<&str, [Vec<f64>; 2]> = BTreeMap::new();
+    for (place, piece) in &work.held_out {
+        if let (Some(black), Some(grey)) = (black.simulate(piece), grey.simulate(piece)) {
+            let [all_black, all_grey] = free_runs.entry(place.label.as_str()).or_default();
+            all_black.extend(black);
+            all_grey.extend(grey);
+        }
+    }
+    let agreement = |(label, [black, grey]): (&str, [Vec<f64>; 2])| (label.to_owned(), vaf(&black, &grey));
     let unit = work.data.input_unit;
     let estimate = |name: &str, unit: &str, value: f64, ci95| Estimate {
         name: name.into(),
@@ -147,7 +153,7 @@ fn try_match(
         dense_grid: found.dense_grid,
         relative: found.relative,
         active_rad_s: found.active.clone(),
-        agreement_percent: work.held_out.iter().filter_map(agreement).collect(),
+        agreement_percent: free_runs.into_iter().map(agreement).collect(),
         replicates: [all.plants.len(), settings.replicates.min(affordable)],
         gain_band,
     };

@@ -5,8 +5,8 @@
 //! Of rows that are means of several samples the mean comes last: what makes the blades of the command (a limit, a dead band, play)
 //! sees the command as it was given, and the mean over the time of a row is that of the blades.
 
-use super::placed::later;
-use super::{OWN_STATES, PitchModel, Point, at_row};
+use super::placed::{Placed, later};
+use super::{OWN_STATES, Output, PitchModel, Point, at_row};
 use crate::dataset::Run;
 use crate::model::effect::Conditions;
 use crate::model::shift::Shift;
@@ -55,16 +55,13 @@ impl PitchModel<'_> {
 
     /// The same where the rows are means, and the input between them is known.
     fn means_of_samples(&self, run: &Run, input: &MovingMean, rows: usize) -> Vec<Drive> {
+        if !self.delay_moves && !self.is_impulsive && run.beside.thrust.is_none() {
+            return self.before_the_delay(run, input, rows);
+        }
         let wide = self.substeps;
         let half = wide.div_ceil(2) as isize;
         let weights: Vec<f64> = (-half..=half).map(|apart| share_of_row(apart, wide)).collect();
-        let all = -half..(rows * wide) as isize + half;
-        let plain = !self.delay_moves && !self.is_impulsive && run.beside.thrust.is_none();
-        let as_given = if plain {
-            self.before_the_delay(run, input, all)
-        } else {
-            self.behind_the_delay(run, input, all)
-        };
+        let as_given = self.behind_the_delay(run, input, -half..(rows * wide) as isize + half);
         let mean = |window: &[Drive], of: fn(&Drive) -> f64| {
             window.iter().zip(&weights).map(|(drive, weight)| weight * of(drive)).sum()
         };
@@ -96,42 +93,37 @@ impl PitchModel<'_> {
         substeps.map(of).collect()
     }
 
-    /// The same of what does not change over time but for its forces: the blades follow the command sample by sample, in which it
-    /// stays as it is, and are delayed then.
-    fn before_the_delay(&self, run: &Run, input: &MovingMean, substeps: Range<isize>) -> Vec<Drive> {
+    /// The drives of `rows` where the delay stays as it is: the blades follow the command sample by sample, in which it keeps its
+    /// value, are delayed then, and the mean over the time of a row is exact.
+    fn before_the_delay(&self, run: &Run, input: &MovingMean, rows: usize) -> Vec<Drive> {
         let nodes = input.per_row().min(MOST_NODES);
         let mut own = [0.0; OWN_STATES];
         let mut at = Conditions { dt: self.step / nodes as f64, ..self.conditions };
-        let rows = |node: usize| node as f64 / nodes as f64 - 0.5;
-        let (mut blades, mut forced) = (Vec::new(), Vec::new());
-        for node in 0..run.len() * nodes {
-            let [from, to] = [node, node + 1].map(rows);
+        let blades = (0..run.len() * nodes).map(|node| {
+            let [from, to] = [node, node + 1].map(|node| node as f64 / nodes as f64 - 0.5);
             at.command = input.input_between([place(from), place(to)]).1;
             let acts = from + self.delay / self.step;
             set_beside(&mut at, run, (acts.max(0.0) as usize).min(run.len() - 1));
             at.t = run.elapsed(0) + acts * self.step;
-            let mut moved = at.command;
-            let mut force = 0.0;
-            for term in &self.driving {
-                moved = term.effect.actuate(term.values, &mut own[term.own.clone()], moved, &at);
-                force += term.effect.forcing(term.values, &at);
-            }
-            blades.push(moved);
-            forced.push(force);
-        }
-        let [blades, forced] = [blades, forced].map(|means| Track::new(means, true));
-        let of = |substep: isize| {
+            let actuate =
+                |u, term: &Placed<'_>| term.effect.actuate(term.values, &mut own[term.own.clone()], u, &at);
+            self.driving.iter().fold(at.command, actuate)
+        });
+        let blades = Track::new(blades.collect(), true);
+        let mut at = self.conditions;
+        let of = |substep: usize| {
+            let (k, i) = (substep / self.substeps, substep % self.substeps);
             let begins = substep as f64 / self.substeps as f64 - self.delay / self.step;
             let ends = begins + 1.0 / self.substeps as f64;
             let at_nodes = [begins, ends].map(|rows| (rows + 0.5) * nodes as f64);
-            Drive {
-                command: input.input_between([place(begins), place(ends)]).1,
-                blades: blades.between(at_nodes).1,
-                forced: forced.between(at_nodes).1,
-                ..Drive::default()
-            }
+            set_beside(&mut at, run, k);
+            at.t = run.elapsed(k) + i as f64 * at.dt;
+            let command = input.between([place(begins), place(ends)]).1;
+            at.command = command;
+            let forced = self.driving.iter().map(|term| term.effect.forcing(term.values, &at)).sum();
+            Drive { command, blades: blades.mean_of_means(at_nodes, nodes), forced, ..Drive::default() }
         };
-        substeps.map(of).collect()
+        (0..rows * self.substeps).map(of).collect()
     }
 
     /// The same over one sample, where the terms' own states are `own`; `at` are the conditions of any row.
@@ -246,6 +238,18 @@ impl Driven<'_, '_> {
         let wide = self.model.substeps;
         let mut at = self.model.conditions;
         self.model.moved(point, self.run, k, &mut at, &drives[k * wide..][..wide])
+    }
+
+    /// Free run over `rows` from `point`, the state at the first of them.
+    pub fn simulate(&self, rows: Range<usize>, mut point: Point) -> Option<Vec<Output>> {
+        let mut outputs = Vec::with_capacity(rows.len());
+        for k in rows {
+            outputs.push(self.model.output(&point));
+            if !self.advance(&mut point, k) {
+                return None;
+            }
+        }
+        Some(outputs)
     }
 }
 
