@@ -14,7 +14,7 @@ const MOST_RUNS: usize = 50;
 const FIRST_ROWS: usize = 10;
 /// Pause that is put between two runs, s: how long it was is not known.
 const PAUSE_S: f64 = 10.0;
-/// Values of a counter, of 16 and of 32 bits.
+/// Values of a counter, of 16 and of 32 bits, in the file's unit, milliseconds or microseconds.
 const COUNTERS: [f64; 2] = [65_536.0, 4_294_967_296.0];
 
 /// Puts each run behind the one before. A clock that runs backwards in any other way is left to be refused.
@@ -40,8 +40,9 @@ pub(super) fn put_behind(table: &mut Table, notes: &mut Vec<Note>) {
     for row in 1..table.t.len() {
         if starts.binary_search(&row).is_ok() {
             let back = table.t[row - 1] - later - table.t[row];
-            let run_over = COUNTERS.map(|count| count * table.time.factor);
-            let counter = run_over.into_iter().find(|count| (count - back - step).abs() <= 0.5 * step);
+            let units = [table.time.factor, 1e-3, 1e-6];
+            let mut run_over = units.iter().flat_map(|unit| COUNTERS.map(|count| count * unit));
+            let counter = run_over.find(|count| (count - back - step).abs() <= 0.5 * step);
             later += counter.unwrap_or(back + PAUSE_S);
             if counter.is_some() { &mut wraps } else { &mut runs }.push(row);
         }

@@ -19,6 +19,7 @@ use crate::dataset::Place;
 use crate::estimate::digits;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::Problem;
+use crate::model::effect::Effect;
 use nalgebra::{DMatrix, DVector};
 
 /// A weight of which all unknowns together leave less than this share says nothing of its parameter.
@@ -40,15 +41,18 @@ const LATE: usize = 7;
 /// Tests every parameter of the physics against every weight and section.
 pub fn test(left: &Left, problem: &Problem<'_>, fit: &Fit, sections: &[Place]) -> Test {
     let coordinates = problem.coordinates(&fit.effects);
+    let of_those = |asked: fn(&dyn Effect) -> bool| -> Vec<usize> {
+        let which = (0..fit.effects.len()).filter(|&i| asked(fit.effects[i]));
+        which.flat_map(|i| fit.own_range(problem, i)).collect()
+    };
     // An effect of time has no other time, and says itself what changes over time.
-    let of_time: Vec<usize> = (0..fit.effects.len())
-        .filter(|&i| fit.effects[i].about().variable == "t")
-        .flat_map(|i| fit.own_range(problem, i))
-        .collect();
+    let of_time = of_those(|effect| effect.about().variable == "t");
+    let background = of_those(|effect| effect.is_background());
     // The user's mount is held by its prior: its scores do not add up to zero.
     let tested: Vec<usize> = (0..coordinates.len())
         .filter(|i| !problem.noise_range().contains(i) && !problem.mount_range().contains(i))
-        .filter(|i| !of_time.contains(i) && coordinates[*i].bounds[0] < coordinates[*i].bounds[1])
+        .filter(|i| !of_time.contains(i) && !background.contains(i))
+        .filter(|i| coordinates[*i].bounds[0] < coordinates[*i].bounds[1])
         .collect();
     let mut weights = regimes(left);
     if !of_time.is_empty() {

@@ -107,8 +107,9 @@ mod tests {
                 angle += dt * rate;
             }
         }
-        let mut recording = Flight { theta, ..flown }.recording();
-        recording.q = None;
+        let mut recording = Flight { theta: theta.clone(), ..flown }.recording();
+        // beside a rate that is new in each row the readings would be joined
+        (recording.q, recording.theta) = (None, Some(theta));
         Dataset::new(&[recording]).unwrap()
     }
 
