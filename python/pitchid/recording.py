@@ -158,8 +158,8 @@ class Recording:
         ----------
         columns : mapping of str to array
             The columns by their names in the format: ``t_s``, an input (``u_rad``, ``u_norm``, ...), ``q_rad_s`` and/or
-            ``theta_rad``; beside them any other of the format, ``section`` as texts, ``supervised`` and ``unmeasured`` as 0 or 1. NaN says
-            that nothing was measured. Arrays of float64 are copied once, into the engine.
+            ``theta_rad``; beside them any other of the format, ``section`` as texts, ``supervised`` and ``unmeasured`` as 0 or
+            1. NaN says that nothing was measured. Arrays of float64 are copied once, into the engine.
         name : str
             What messages call it.
         axis : str
