@@ -10,7 +10,7 @@ const LEAST_STEPS: f64 = 10.0;
 /// Rows that each run has at least, and how many runs a file has at most.
 const LEAST_ROWS: usize = 30;
 const MOST_RUNS: usize = 50;
-/// Rows over which the clock of a run goes on at its pace.
+/// Rows over which the clock goes on at its pace, before it starts again and after.
 const FIRST_ROWS: usize = 10;
 /// Pause that is put between two runs, s: how long it was is not known.
 const PAUSE_S: f64 = 10.0;
@@ -28,9 +28,9 @@ pub(super) fn put_behind(table: &mut Table, notes: &mut Vec<Note>) {
     let ends = starts.iter().skip(1).copied().chain([t.len()]);
     let is_run = |(&start, end): (&usize, usize)| {
         let falls = t[start - 1] - t[start] > LEAST_STEPS * step && end - start >= LEAST_ROWS;
-        // a few stray stamps go back to where the clock was
-        let goes_on = || t[start + FIRST_ROWS] - t[start] < 2.0 * FIRST_ROWS as f64 * step;
-        falls && goes_on()
+        // a few stray stamps come from where the clock was and go back there
+        let at_its_pace = |first: usize| t[first + FIRST_ROWS] - t[first] < 2.0 * FIRST_ROWS as f64 * step;
+        falls && at_its_pace(start - 1 - FIRST_ROWS) && at_its_pace(start)
     };
     if step <= 0.0 || starts[0] < LEAST_ROWS || !starts.iter().zip(ends).all(is_run) {
         return;
