@@ -5,6 +5,7 @@
 //! a sensor with little noise shows.
 
 use core::ops::Range;
+use std::sync::Arc;
 
 /// The mean of an input over the time of a row, at every sample that it had before it was averaged. The outputs are sampled, and a
 /// row's is their mean by the trapezoidal rule; linear dynamics lead to that mean from the same mean of the input, wherever between
@@ -20,9 +21,9 @@ pub struct MovingMean {
     /// n.
     per_row: usize,
     /// ū, its first node at the first row.
-    mean: Track,
+    mean: Arc<Track>,
     /// The input itself, its first node half a row before.
-    input: Track,
+    input: Arc<Track>,
 }
 
 /// A signal by its nodes, one a sample.
@@ -42,7 +43,7 @@ impl MovingMean {
         let n = per_row as f64;
         let mean = |u: &[f64]| (u.iter().sum::<f64>() - 0.5 * (u[0] + u[per_row])) / n;
         let mean = Track::new(u.windows(per_row + 1).map(mean).collect(), held);
-        Self { per_row, mean, input: Track::new(u.to_vec(), held) }
+        Self { per_row, mean: Arc::new(mean), input: Arc::new(Track::new(u.to_vec(), held)) }
     }
 
     /// The same of the rows `rows` alone.
@@ -50,7 +51,7 @@ impl MovingMean {
     pub fn cut(&self, rows: Range<usize>) -> Self {
         let [first, last] = [rows.start, rows.end].map(|row| row * self.per_row);
         let of = |track: &Track, last: usize| {
-            Track::new(track.nodes[first..last.min(track.nodes.len())].to_vec(), track.held)
+            Arc::new(Track::new(track.nodes[first..last.min(track.nodes.len())].to_vec(), track.held))
         };
         Self {
             per_row: self.per_row,
@@ -62,7 +63,8 @@ impl MovingMean {
     /// The same of an input that is less by `level`.
     #[must_use]
     pub fn less(&self, level: f64) -> Self {
-        let of = |track: &Track| Track::new(track.nodes.iter().map(|u| u - level).collect(), track.held);
+        let of =
+            |track: &Track| Arc::new(Track::new(track.nodes.iter().map(|u| u - level).collect(), track.held));
         Self { per_row: self.per_row, mean: of(&self.mean), input: of(&self.input) }
     }
 

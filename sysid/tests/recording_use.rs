@@ -452,7 +452,7 @@ fn signals_without_a_file_keep_their_names_and_have_no_lines() {
 
     let refused = |t: Vec<f64>, signals| from_signals("flight.bin", t, signals, &options).unwrap_err();
     let mut back = t.clone();
-    back[30..].iter_mut().for_each(|t| *t -= 5.0);
+    back[30..].iter_mut().for_each(|t| *t -= 0.03);
     let error = refused(back, signals());
     assert_eq!((error.line, error.file.as_deref()), (None, Some("flight.bin")));
     assert!(error.found.contains("backwards"), "{error}");
