@@ -14,7 +14,7 @@ use crate::moving_mean::{MovingMean, Track};
 use core::ops::Range;
 
 /// Parts of a row in which the blades follow the command, at most.
-const MOST_NODES: usize = 8;
+const MOST_NODES: usize = 4;
 
 /// What drives the motion over one substep.
 #[derive(Clone, Copy, Debug, Default)]
