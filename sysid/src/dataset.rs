@@ -13,7 +13,7 @@ use crate::error::{Error, ErrorKind};
 use crate::moving_mean::MovingMean;
 use crate::recording::{InputHold, InputUnit, Recording, Section, WHOLE};
 use core::ops::Range;
-pub(crate) use input::has_two_levels;
+pub(crate) use input::{has_two_levels, median_size};
 use std::borrow::Cow;
 
 /// One stretch of uniformly sampled signals without a gap.

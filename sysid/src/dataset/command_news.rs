@@ -14,7 +14,7 @@
 //!
 //! Sources: Forssell, Ljung, Automatica 35, 1999, section 4 (joint input–output identification).
 
-use super::{Dataset, Run};
+use super::{Dataset, Run, median_size};
 use crate::linalg::least_squares::least_squares;
 use nalgebra::DVector;
 
@@ -23,8 +23,6 @@ const MOST_ROWS: usize = 20;
 const ROWS_EACH: usize = 20;
 /// Standard deviations (by the median) beyond which something else moves the command, regression by regression.
 const ELSEWHERE: [f64; 5] = [12.0, 9.0, 6.0, 4.0, 4.0];
-/// Standard deviation of a normal number in units of its median size.
-const NORMAL: f64 = 1.4826;
 /// Least share of the rows in which nothing else moves it.
 const LEAST_KEPT: f64 = 0.4;
 
@@ -130,12 +128,8 @@ impl<'d> Rows<'d> {
                 command - weights.dot(&known)
             })
             .collect();
-        let mut sizes: Vec<f64> =
-            new.iter().zip(&self.kept).filter(|(_, kept)| **kept).map(|(new, _)| new.abs()).collect();
-        let middle = sizes.len() / 2;
-        let median =
-            *(middle < sizes.len()).then(|| sizes.select_nth_unstable_by(middle, f64::total_cmp).1)?;
-        Some((new, NORMAL * median))
+        let size = median_size(&new, &self.kept);
+        Some((new, size))
     }
 
     /// Begins a stretch at each row that is kept and beyond `limit`, and leaves out those that remember it.

@@ -50,6 +50,14 @@ pub fn has_two_levels<'a>(mut input: impl Iterator<Item = &'a f64>) -> bool {
     input.all(|u| u == first || u == second)
 }
 
+/// Standard deviation of the values that count, by their median size, as it is for normal numbers about zero.
+pub fn median_size(values: &[f64], counts: &[bool]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().zip(counts).filter(|(_, c)| **c).map(|(v, _)| v.abs()).collect();
+    let middle = sizes.len() / 2;
+    sizes.sort_by(f64::total_cmp);
+    1.4826 * sizes.get(middle).copied().unwrap_or(0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -160,7 +160,7 @@ fn repeat(
         None => None,
         Some((start, weight)) => {
             let target = to_continuous(&found, recipe.method.held_input).ok()?;
-            let target = target.with_delay(start.delay.min(target.delay())).ok()?;
+            let target = target.with_delay(start.delay).ok()?;
             Some(hinf_match(&target, start, weight, None).ok()?.plant)
         }
     };

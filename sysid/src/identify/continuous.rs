@@ -170,20 +170,18 @@ impl ContinuousStateSpace {
         left_singular(&real).and_then(|(_, values)| values.first().copied())
     }
 
-    /// The same response with a delay of `delay` s, no longer than its own: what is left of that becomes an all-pass,
+    /// The same response with a delay of `delay` s at most: what its own has beyond becomes an all-pass,
     /// (1 − s h/2)/(1 + s h/2) with h = τ − `delay`.
     ///
     /// # Errors
-    /// A delay that is negative or longer, more than one input or output.
+    /// A delay that is negative or no number, more than one input or output.
     pub fn with_delay(&self, delay: f64) -> Result<Self, Error> {
         let (n, late) = (self.order(), self.delay - delay);
-        if self.d.len() != 1 || !(0.0..=self.delay).contains(&delay) {
-            let found = format!("a delay of {delay} s of a model with {} s", self.delay);
-            return Err(Error::new(
-                ErrorKind::Model,
-                found,
-                "give one no longer, of one input and one output",
-            ));
+        if self.d.len() != 1 || delay.is_nan() || delay < 0.0 {
+            let found =
+                format!("{} inputs, {} outputs, a delay of {delay} s", self.b.ncols(), self.c.nrows());
+            return Err(Error::new(ErrorKind::Model, found, "give a model with one input and one output")
+                .expecting("one of each and a delay of 0 or more"));
         }
         if late < SHORTEST_DELAY_S {
             return Ok(self.clone());

@@ -2,7 +2,7 @@
 //!
 //! Each section starts from its own estimated state: the predictor's corrected state at the section's first sample.
 
-use crate::dataset::{Place, Run};
+use crate::dataset::Place;
 use crate::likelihood::fit::Fit;
 use crate::likelihood::problem::{Problem, Unpacked};
 use crate::model::pitch::{Driven, Output, Point};
@@ -31,8 +31,7 @@ pub fn simulate(
     places: &[Place],
     points: &[Point],
 ) -> Option<Vec<Vec<Output>>> {
-    let of_run = |run: &Run| problem.model(unpacked, run.step);
-    let models = problem.data.runs.iter().map(of_run).collect::<Option<Vec<_>>>()?;
+    let models = problem.models(unpacked)?;
     let driven: Vec<OnceCell<Driven<'_, '_>>> = models.iter().map(|_| OnceCell::new()).collect();
     let free = |(place, point): (&Place, &Point)| {
         let under = || models[place.run].driven(&problem.data.runs[place.run]);

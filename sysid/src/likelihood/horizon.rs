@@ -10,7 +10,7 @@
 use super::evidence::BLOCK_S;
 use super::free_run::judged_channel;
 use super::problem::{Problem, Unpacked};
-use crate::dataset::{Place, Run};
+use crate::dataset::Place;
 use crate::model::pitch::{Driven, Point};
 use core::cell::OnceCell;
 
@@ -77,8 +77,7 @@ fn sums_by_block(
     problem.track(unpacked, visit, &mut |_, _| {})?;
     let mean = mean_of(problem, places);
     let mut sums: Vec<Vec<Block>> = vec![Vec::new(); horizons.len()];
-    let of_run = |run: &Run| problem.model(unpacked, run.step);
-    let models = problem.data.runs.iter().map(of_run).collect::<Option<Vec<_>>>()?;
+    let models = problem.models(unpacked)?;
     let driven: Vec<OnceCell<Driven<'_, '_>>> = models.iter().map(|_| OnceCell::new()).collect();
     for (place, start, mut point) in starts {
         let index = places[place].run;

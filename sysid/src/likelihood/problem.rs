@@ -445,6 +445,11 @@ impl<'a> Problem<'a> {
         PitchModel::new(&unpacked.plant, &unpacked.terms, &unpacked.disturbance, step, &self.sizes)
     }
 
+    /// The same of every run.
+    pub fn models<'u>(&self, unpacked: &'u Unpacked) -> Option<Vec<PitchModel<'u>>> {
+        self.data.runs.iter().map(|run| self.model(unpacked, run.step)).collect()
+    }
+
     /// Puts the one measured channel first.
     pub fn pack(&self, e: Output) -> Output {
         if self.data.has_rate { e } else { [e[1], 0.0] }

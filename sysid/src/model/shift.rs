@@ -39,7 +39,7 @@ impl Shift {
     /// The input of `run` over the substep; before its first row and after its last as it is there.
     pub fn mean(&self, run: &Run, k: usize) -> f64 {
         match run.known_between() {
-            Some(mean) => mean.between(self.places(k)).1,
+            Some(mean) => mean.between(self.places(k as isize)).1,
             None => self.over(&run.u, k),
         }
     }
@@ -47,17 +47,13 @@ impl Shift {
     /// The same at the beginning and at the end of the substep.
     pub fn at_ends(&self, run: &Run, k: usize) -> [f64; 2] {
         match run.known_between() {
-            Some(mean) => mean.between(self.places(k)).0,
+            Some(mean) => mean.between(self.places(k as isize)).0,
             None => self.ends(&run.u, k),
         }
     }
 
-    fn places(&self, k: usize) -> [(isize, f64); 2] {
-        self.from(k as isize)
-    }
-
-    /// Where the substep begins and ends in the input, from row `k` on.
-    pub fn from(&self, k: isize) -> [(isize, f64); 2] {
+    /// Where the substep of row `k` begins and ends in the input: row, and share of the time to the next.
+    pub fn places(&self, k: isize) -> [(isize, f64); 2] {
         self.ends.map(|(rows, share)| (k + rows, share))
     }
 
@@ -66,7 +62,7 @@ impl Shift {
     }
 
     fn ends(&self, u: &[f64], k: usize) -> [f64; 2] {
-        self.places(k).map(|(row, share)| self.between(u, row, share))
+        self.places(k as isize).map(|(row, share)| self.between(u, row, share))
     }
 
     /// `share` of the way from row `first` to the next.

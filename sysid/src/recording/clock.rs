@@ -387,9 +387,7 @@ fn move_onto(table: &mut Table, points: &[Point], times: Vec<f64>, hold: InputHo
         };
         signal.values = points.iter().map(on_grid).collect();
     }
-    let unmeasured: Vec<bool> =
-        points.iter().map(|point| point.is_filled || is_stale(point.nearer)).collect();
-    table.unmeasured = if unmeasured.contains(&true) { unmeasured } else { Vec::new() };
+    table.unmeasured = points.iter().map(|point| point.is_filled || is_stale(point.nearer)).collect();
     let rows = || points.iter().map(|point| point.row);
     if !table.labels.is_empty() {
         table.labels = rows().map(|row| table.labels[row]).collect();

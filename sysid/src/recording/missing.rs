@@ -229,7 +229,7 @@ pub(super) fn over(t: &[f64], first: usize, last: usize, text: String) -> Note {
 }
 
 /// Fills what is missing from the neighbours that are there, by number of the row.
-fn bridge(values: &mut [f64], held: bool) {
+pub(super) fn bridge(values: &mut [f64], held: bool) {
     let known: Vec<usize> = (0..values.len()).filter(|&row| !values[row].is_nan()).collect();
     let (Some(&first), Some(&last)) = (known.first(), known.last()) else { return };
     let (head, tail) = (values[first], values[last]);

@@ -7,6 +7,7 @@
 
 use super::checks::extremes;
 use super::columns::Role;
+use super::missing::bridge;
 use super::table::{Signal, Table};
 use super::{Note, NoteKind};
 use std::ops::Range;
@@ -45,7 +46,9 @@ pub(super) fn rows(table: &mut Table, step: f64, notes: &mut Vec<Note>) -> Vec<b
         let left_out = if all {
             "; rows in which no output is new do not count"
         } else {
-            join(&mut signal.values, &slow.stale);
+            let values = signal.values.iter_mut().zip(&slow.stale);
+            values.filter(|(_, stale)| **stale).for_each(|(value, _)| *value = f64::NAN);
+            bridge(&mut signal.values, false);
             "; its readings are joined by straight lines"
         };
         let late = step * (slow.median.max(2) as f64 - 1.0);
@@ -62,18 +65,6 @@ pub(super) fn rows(table: &mut Table, step: f64, notes: &mut Vec<Note>) -> Vec<b
     (0..table.t.len())
         .map(|row| slow.iter().all(|(_, slow)| slow.as_ref().is_some_and(|s| s.stale[row])))
         .collect()
-}
-
-/// Puts what is stale onto the straight line between the readings before and after it.
-fn join(values: &mut [f64], stale: &[bool]) {
-    let fresh: Vec<usize> = (0..values.len()).filter(|&row| !stale[row]).collect();
-    for pair in fresh.windows(2) {
-        let (from, to) = (values[pair[0]], values[pair[1]]);
-        let each = (to - from) / (pair[1] - pair[0]) as f64;
-        for (k, value) in values[pair[0]..pair[1]].iter_mut().enumerate().skip(1) {
-            *value = from + each * k as f64;
-        }
-    }
 }
 
 /// The step than which one in a thousand is smaller: a single value that was bridged or made continuous stands between two others.

@@ -23,7 +23,7 @@
 //! Sources: Haugh, JASA 71, 1976; White's (1980) variance, for errors of uneven size.
 
 use super::dwells::{Dwells, Told};
-use crate::dataset::has_two_levels;
+use crate::dataset::{has_two_levels, median_size};
 use crate::linalg::least_squares::least_squares;
 use crate::model::pitch::Output;
 use nalgebra::DVector;
@@ -222,14 +222,6 @@ pub(super) fn news_from(new: &[f64], counts: &[bool]) -> f64 {
         .map(energy)
         .fold((0.0, 0.0), |(a, b), e| (a + e, b + e * e));
     if squares > 0.0 { sum * sum / squares } else { 0.0 }
-}
-
-/// The same by the median, as it is for normal numbers.
-pub(super) fn median_size(values: &[f64], counts: &[bool]) -> f64 {
-    let mut sizes: Vec<f64> = values.iter().zip(counts).filter(|(_, c)| **c).map(|(v, _)| v.abs()).collect();
-    let middle = sizes.len() / 2;
-    sizes.sort_by(f64::total_cmp);
-    1.4826 * sizes.get(middle).copied().unwrap_or(0.0)
 }
 
 /// What `taps` values before it do not tell of each value, by a regression over the rows that count.

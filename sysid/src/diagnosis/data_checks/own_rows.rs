@@ -15,10 +15,8 @@
 //! A command that keeps its value for N rows and may change in the next is made by something slower than the log: of these rows alone the
 //! same is asked.
 
-use super::news::{
-    FEWEST_STRETCHES, Kind, ROUNDING, SWITCH, TRIMMED, Test, median_size, news_from, typical_size,
-};
-use crate::dataset::has_two_levels;
+use super::news::{FEWEST_STRETCHES, Kind, ROUNDING, SWITCH, TRIMMED, Test, news_from, typical_size};
+use crate::dataset::{has_two_levels, median_size};
 use crate::linalg::least_squares::least_squares;
 use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, Normal};

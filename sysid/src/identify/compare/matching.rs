@@ -99,7 +99,7 @@ fn try_match(
         .continuous
         .as_ref()
         .ok_or_else(|| none("no PI-MOESP model has a continuous-time equivalent"))?;
-    let found = hinf_match(&target.with_delay(start.delay.min(target.delay()))?, start, weight, None)?;
+    let found = hinf_match(&target.with_delay(start.delay)?, start, weight, None)?;
     let model = identify(&work.training, *order, *block_size, &pi.method)?.model;
     let omegas: Vec<f64> = work.response().iter().map(|line| line.omega_rad_s).collect();
     let recipe = Recipe {

@@ -41,7 +41,7 @@ impl PitchModel<'_> {
 
     /// What drives the motion over the first `rows` of `run`, substep by substep.
     pub fn drives(&self, run: &Run, rows: usize) -> Vec<Drive> {
-        if let Some(input) = run.known_between().filter(|_| !self.driving.is_empty()) {
+        if let Some(input) = self.as_given(run) {
             return self.means_of_samples(run, input, rows);
         }
         let mut own = [0.0; OWN_STATES];
@@ -51,6 +51,11 @@ impl PitchModel<'_> {
             self.drive(&mut own, run, k, &mut at, drives);
         }
         drives
+    }
+
+    /// The input of a run whose rows are means, where it is known between them and something follows it.
+    fn as_given<'r>(&self, run: &'r Run) -> Option<&'r MovingMean> {
+        run.known_between().filter(|_| !self.driving.is_empty())
     }
 
     /// The same where the rows are means, and the input between them is known.
@@ -87,7 +92,7 @@ impl PitchModel<'_> {
             set_beside(&mut at, run, k);
             at.t = run.elapsed(0) + row as f64 * self.step + i as f64 * at.dt;
             let shift = self.shift(i, run, &at);
-            let (ends, command) = input.input_between(shift.from(row));
+            let (ends, command) = input.input_between(shift.places(row));
             self.of_command(&mut own, run, k, &mut at, (&shift, command, ends))
         };
         substeps.map(of).collect()
@@ -226,8 +231,8 @@ pub struct Driven<'m, 'a> {
 impl<'a> PitchModel<'a> {
     /// The model under the input of `run`.
     pub fn driven<'m>(&'m self, run: &'m Run) -> Driven<'m, 'a> {
-        let means = run.known_between().is_some() && !self.driving.is_empty();
-        Driven { model: self, run, drives: means.then(|| self.drives(run, run.len())) }
+        let drives = self.as_given(run).map(|input| self.means_of_samples(run, input, run.len()));
+        Driven { model: self, run, drives }
     }
 }
 
